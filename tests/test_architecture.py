@@ -28,6 +28,7 @@ ROOMS = (
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", "loads", ""),
     "la_core.coulomb": ("path", ""),
+    "comparison.judge": ("checks", ""),
     "comparison.campaign": ("", "workers", "figures", "report"),
     "comparison.cli": ("", "help_verbs", "study_verbs", "scene_verbs", "commands"),
 }

@@ -101,8 +101,8 @@ def test_the_rule_knows_who_predicts_and_who_holds_a_run() -> None:
     """Else it could not fail."""
     assert {"la_core:analyse", "la_core:predict", "la_core:solve", "la_core:solve_associated"} <= house().predicting
     assert {"comparison.limit_analysis:limit_analysis_stage", "comparison.workflow.one_scene:run_scene"} <= house().predicting
-    assert not {DOOR, "comparison.workflow.one_scene:_compare", "comparison.judge.run_checks:check_run"} & house().predicting
-    assert DOOR in house().functions and house().first_sight("comparison.judge.run_checks:check_run") == (0, 0)
+    assert not {DOOR, "comparison.workflow.one_scene:_compare", "comparison.judge.checks.run_checks:check_run"} & house().predicting
+    assert DOOR in house().functions and house().first_sight("comparison.judge.checks.run_checks:check_run") == (0, 0)
     solved = house().first_sight("comparison.workflow.one_scene:_solved")
     assert solved is not None and solved > (0, 0)  # limit analysis comes first there
     assert house().first_sight("comparison.limit_analysis:limit_analysis_stage") is None
@@ -131,7 +131,7 @@ def test_the_door_adds_effects_and_changes_nothing_in_the_way_of_predicting() ->
 
 SECOND_LOOK = '''
 """Repeat a prediction that YADE contradicts in shorter steps, before the verdict: what this program once did."""
-from comparison.judge.prediction import check_prediction
+from comparison.judge.checks.reaction import check_prediction
 from comparison.workflow import restored_effects
 from comparison.yade import Results
 from la_core.coulomb import PredictionSettings

@@ -1,15 +1,17 @@
 """The judge: every check with its tolerance, the verdict, and the summary that is `comparison.json`."""
 
 from comparison.judge import requested_accuracy
-from comparison.judge.curves import CurveDifference, compare_curves
+from comparison.judge.checks.answer import check_answer, check_expected
+from comparison.judge.checks.curves import CurveDifference, compare_curves
+from comparison.judge.checks.next_steps import REPAIR_YADE
+from comparison.judge.checks.prediction import slides_unforeseen
+from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
+from comparison.judge.checks.run_checks import check_run
+from comparison.judge.checks.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import answer_of, answer_of_text
-from comparison.judge.prediction import slides_unforeseen
-from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.requested_accuracy import METHODS, check_accuracy, percent
-from comparison.judge.run_checks import REPAIR_YADE, check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary, conclusion_of, limit_analysis_summary, without_run, without_undefined, yade_summary
-from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 
 __all__ = [
     "FLOOR",

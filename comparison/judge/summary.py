@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from comparison.judge.curves import curves_summary
+from comparison.judge.checks.curves import curves_summary
+from comparison.judge.checks.energy import energy_summary
+from comparison.judge.checks.tolerances import LEAST_REACTION, least_reaction
 from comparison.judge.effects_table import effects_summary
-from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.judge.tolerances import LEAST_REACTION, least_reaction
 from comparison.verdict import BEARS_NOTHING, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values

@@ -21,8 +21,8 @@ from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
 from comparison.campaign.row_values import bounds, deviation, interval, over_weight, title_of_values, value_cells, worst_first
+from comparison.judge.checks.tolerances import least_reaction
 from comparison.judge.summary import comparison_summary
-from comparison.judge.tolerances import least_reaction
 from comparison.verdict import verdict_title
 from comparison.yade import Results
 from la_core.analysis.stage import analyse

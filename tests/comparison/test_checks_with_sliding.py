@@ -11,9 +11,10 @@ from judged_runs import case_of, verdict_of
 from locking_scenes import lifted_pad
 from runs import coulomb_run, perfect_run, with_answers
 
-from comparison.judge.mechanisms import SIMILAR
-from comparison.judge.run_checks import check_answer, check_run
-from comparison.judge.sections import check_sections
+from comparison.judge.checks.answer import check_answer
+from comparison.judge.checks.mechanisms import SIMILAR
+from comparison.judge.checks.run_checks import check_run
+from comparison.judge.checks.sections import check_sections
 from comparison.verdict.check import Verdict
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_parts import Poses

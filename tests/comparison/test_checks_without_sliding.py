@@ -9,8 +9,8 @@ import scenes
 from judged_runs import case_of, verdict_of
 from runs import TRAVEL, made_up_run, perfect_run, with_answers
 
-from comparison.judge import mechanisms
-from comparison.judge.run_checks import check_run
+from comparison.judge.checks import mechanisms
+from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis

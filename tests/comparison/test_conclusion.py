@@ -12,8 +12,9 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 
 import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, INTERRUPTED, MEANINGS, SEVERITY
-from comparison.judge import run_checks
-from comparison.judge.run_checks import check_answer, check_expected, check_run
+from comparison.judge.checks import run_checks
+from comparison.judge.checks.answer import check_answer, check_expected
+from comparison.judge.checks.run_checks import check_run
 from comparison.judge.summary import comparison_summary, conclusion_of
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene

@@ -8,8 +8,8 @@ import scenes
 from judged_runs import REACTION, coulomb_of, judged, named
 from runs import coulomb_run, perfect_run, with_answers
 
-from comparison.judge.reduced_model import check_displacement, largest_displacements
-from comparison.judge.tolerances import FLOOR, UNCERTAIN
+from comparison.judge.checks.reduced_model import check_displacement, largest_displacements
+from comparison.judge.checks.tolerances import FLOOR, UNCERTAIN
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis

@@ -8,7 +8,7 @@ import scenes
 from judged_runs import REACTION, SIMILARITY, judged, named
 from runs import made_up_run, perfect_run
 
-from comparison.judge import energy
+from comparison.judge.checks import energy
 from comparison.verdict.check import Verdict, overall
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis

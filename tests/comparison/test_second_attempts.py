@@ -10,8 +10,7 @@ import pytest
 from conftest import Silent
 
 import la_core
-from comparison.judge.prediction import SLOWER_RUN
-from comparison.judge.run_checks import LONGER
+from comparison.judge.checks.next_steps import LONGER, SLOWER_RUN
 from comparison.verdict import Check, Verdict, conclusion
 from comparison.workflow import harder
 from la_core.analysis.accuracy import ATTEMPTS, finer_paths

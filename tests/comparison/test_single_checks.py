@@ -9,8 +9,8 @@ import scenes
 from judged_runs import REACTION, SIMILARITY, coulomb_of, judged, named
 from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
 
-from comparison.judge.run_checks import check_expected
-from comparison.judge.sections import SECTION, check_sections
+from comparison.judge.checks.answer import check_expected
+from comparison.judge.checks.sections import SECTION, check_sections
 from comparison.verdict.check import Verdict, overall
 from comparison.yade import Results, Run
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis

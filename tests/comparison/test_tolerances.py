@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from comparison.judge import tolerances
-from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNBALANCED, UNCERTAIN
+from comparison.judge.checks import tolerances
+from comparison.judge.checks.tolerances import FLOOR, LEAST_REACTION, UNBALANCED, UNCERTAIN
 from la_core.exchange import AT_STAKE
 from la_core.limit import Status
 

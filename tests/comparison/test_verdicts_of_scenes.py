@@ -9,9 +9,9 @@ import pytest
 from judged_runs import case_of
 from runs import perfect_run, with_answers
 
-from comparison.judge import mechanisms, run_checks, sections, tolerances
-from comparison.judge import prediction as check_prediction
-from comparison.judge.run_checks import check_expected, check_run
+from comparison.judge.checks import friction_state, mechanisms, run_checks, sections, tolerances
+from comparison.judge.checks.answer import check_expected
+from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Check, Verdict, overall
 from comparison.workflow import one_scene
 from comparison.yade import Results
@@ -91,7 +91,7 @@ def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
         tolerances: ("FLOOR", "UNCERTAIN", "LEAST_REACTION", "UNBALANCED"),
         run_checks: ("SETTLEMENT",),
-        check_prediction: ("STEADY", "CONSISTENT"),
+        friction_state: ("STEADY", "CONSISTENT"),
         mechanisms: ("SAME_MASS", "ADMISSIBLE"),
         sections: ("SECTION", "ALONG"),
     }

@@ -12,7 +12,7 @@ from runs import coulomb_run, made_up_run
 
 import la_core
 from comparison.figures.reaction_levels import curve_of
-from comparison.judge.curves import compare_curves
+from comparison.judge.checks.curves import compare_curves
 from comparison.verdict.check import Verdict, overall
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis

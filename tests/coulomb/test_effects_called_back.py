@@ -2,7 +2,7 @@
 
 from conftest import Silent
 
-from comparison.judge import prediction
+from comparison.judge.checks import prediction
 from comparison.verdict.check import Check, Verdict
 from comparison.workflow import one_scene, restored_effects
 from comparison.yade import Results

@@ -9,7 +9,7 @@ import scenes
 from conftest import Silent
 from runs import made_up_run, with_answers
 
-from comparison.judge.reduced_model import check_reach
+from comparison.judge.checks.reduced_model import check_reach
 from comparison.verdict.check import Verdict
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import Results, read_results

@@ -6,7 +6,7 @@ import pytest
 import scenes
 from reduced_models import SOLVER, arch
 
-from comparison.judge.reduced_model import check_plane
+from comparison.judge.checks.reduced_model import check_plane
 from comparison.verdict.check import Verdict
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.result import Answers, LimitAnalysis

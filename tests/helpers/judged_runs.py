@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from comparison.judge.run_checks import check_run
+from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Check, Verdict
 from comparison.yade import Results
 from comparison.yade.run_record import Run

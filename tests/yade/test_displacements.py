@@ -6,7 +6,7 @@ import scenes
 from displaced_blocks import GAP, TEXTS, TRAVEL, buffer, decided, with_effects
 from runs import made_up_run
 
-from comparison.judge.reduced_model import check_displacement, largest_displacements
+from comparison.judge.checks.reduced_model import check_displacement, largest_displacements
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from comparison.yade.run_record import Run

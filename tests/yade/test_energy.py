@@ -10,7 +10,7 @@ from conftest import CrossChecked
 from runs import made_up_run
 from scipy.spatial.transform import Rotation
 
-from comparison.judge.energy import DRIFT, audit, check_energy
+from comparison.judge.checks.energy import DRIFT, audit, check_energy
 from comparison.numbers import DASH
 from comparison.report.details import ENERGIES, energies
 from comparison.verdict.check import Verdict

@@ -11,7 +11,7 @@ from conftest import CrossChecked, Silent
 
 import la_core
 from comparison.judge import FLOOR
-from comparison.judge.prediction import SIMILAR
+from comparison.judge.checks.mechanisms import SIMILAR
 from comparison.workflow import run_scene
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive

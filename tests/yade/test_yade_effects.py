@@ -14,8 +14,8 @@ from conftest import Silent
 from displaced_blocks import GAP, TEXTS, TRAVEL, buffer, decided, with_effects
 from verdict_scenes import EARLIER_SEED, drawn
 
-from comparison.judge.reduced_model import check_displacement
-from comparison.judge.run_checks import check_run
+from comparison.judge.checks.reduced_model import check_displacement
+from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Check, Verdict
 from comparison.workflow.one_scene import TIME_LIMIT, run_scene
 from comparison.yade import Results, installation, process

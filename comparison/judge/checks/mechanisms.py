@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.tolerances import reaction_tolerance
+from comparison.judge.checks.tolerances import reaction_tolerance
 from comparison.verdict import Check, Verdict
 from comparison.yade import Results
 from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, mechanism, residuals

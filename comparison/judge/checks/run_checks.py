@@ -1,4 +1,4 @@
-"""The checks of one run: each compares one quantity and says agree, disagree or inconclusive, with a reason."""
+"""The checks of YADE's run, and which checks a run allows."""
 
 import math
 from collections.abc import Iterator
@@ -6,127 +6,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from comparison.judge.energy import check_energy
-from comparison.judge.prediction import FELL, FINER_PATHS, MODEL_SLIDING, SLOWER_RUN, check_prediction
-from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
-from comparison.judge.sections import check_sections
-from comparison.judge.tolerances import accuracy_share, falls_slowly, reaction_tolerance, unbalanced
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.energy import check_energy
+from comparison.judge.checks.reaction import check_prediction
+from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
+from comparison.judge.checks.sections import check_sections
+from comparison.judge.checks.tolerances import falls_slowly, reaction_tolerance, unbalanced
 from comparison.numbers import format_number, plural
 from comparison.verdict import Check, Verdict, inside, named_blocks, within
 from comparison.yade import Results, Run
-from la_core.analysis import LimitAnalysis
-from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
 from la_core.scene import Scene
 
-CHECK_SOURCE = "Compare the scene with its source, and see for which friction law and inset the value of [expected] holds."
-MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
-REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
-PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
-OTHER_DIRECTION = (
-    "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
-    "this motion, so no bound exists. If the direction is right, the blocks lock as they dilate"
-)
-JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
-MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
-GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
-OTHER_THRUST = (
-    "The thrust of [yade] wedging does not hold the blocks. Change its size, or compare the friction with its source: with little "
-    "friction no thrust may hold them once the support yields."
-)
-NO_THRUST = (
-    "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Under a "
-    "live load no support can give the blocks a thrust."
-)
 SLIPPED = "The blocks stood at rest. A later jump may throw a block. A block that slides by about the inset may slip off its joint."
-LONGER = (
-    "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
-    "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
-)
 BELOW = "multiplier below its upper bound"
 SPEED = 0.05  # of the speed along a live load: the servo still stretches a little while the multiplier changes
 SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only round-off may separate the two
-
-
-def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
-    """Yield a check of limit analysis for sharp edges against each value of the scene's table [expected].
-
-    Reaction and multiplier are compared with the answer for the scene's own friction, at its own inset where joints slide;
-    the greatest reaction and the values with "associated" in their names are compared with the associated answer. An answer
-    that was not requested is not compared.
-    """
-    scene = analysis.scene
-    expected = scene.expected
-    if expected is None:
-        return
-    main, greatest = analysis.sharp.bounds[analysis.main], analysis.sharp.bounds.get(Drive.PUSHING)
-    is_bound = scene.effects.friction in ("associated", "none-slides")
-    answer = analysis.sharp.coulomb or analysis.coulomb or (main if is_bound else None)  # None where only the bounds were requested
-    value, associated = expected.reaction_over_weight, expected.associated_reaction_over_weight
-    if scene.live is not None:
-        value, associated = expected.multiplier, expected.associated_multiplier
-    comparisons = (
-        (f"expected {scene.quantity}", value, answer),
-        (f"expected associated {scene.quantity}", associated, main),
-        ("expected greatest reaction", expected.reaction_max_over_weight, greatest),
-    )
-    divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, "of W")
-    for name, number, solution in comparisons:
-        if number is not None and solution is not None:
-            solved = solution.status is Status.SOLVED
-            computed = solution.value / divisor if solved else math.nan
-            tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
-            rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
-            edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
-            reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
-            check = within(name, computed, number, tolerance, unit, reason, CHECK_SOURCE)
-            if not solved:
-                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
-                check = replace(check, reason=unknown)
-            if check.verdict is Verdict.AGREE:
-                check = replace(check, verdict=Verdict.EXPECTED_MET)  # by one method: nobody agrees with it
-            yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
-
-
-def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
-    """Yield a check that says why limit analysis has no answer, or an uncertain one; nothing where it is solved, or nothing can stand."""
-    associated, coulomb = analysis.bounds[analysis.main], analysis.coulomb
-    if associated.status not in (Status.SOLVED, Status.INFEASIBLE) and not analysis.is_without_bound:
-        reason = f"Limit analysis ended as {associated.status}, so it has no answer."
-        yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(analysis))
-    elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
-        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
-        step = _thrust(analysis.scene) if math.isinf(coulomb.uncertainty) else FINER_PATHS
-        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)
-
-
-def _next_step(analysis: LimitAnalysis) -> str:
-    """Return what to do where limit analysis ended without a value."""
-    if analysis.bounds[analysis.main].status is not Status.UNBOUNDED:
-        return PLAIN_SCENE
-    if analysis.coulomb is not None and analysis.coulomb.iterations > 0:
-        return f"{OTHER_DIRECTION}{JAM}."
-    effects = analysis.scene.effects
-    left_out = MODEL_SLIDING if effects.friction in ("associated", "none-slides") else MODEL_STRAIN if effects.elasticity == "none" else ""
-    return f"{OTHER_DIRECTION}. {left_out}".rstrip()
-
-
-def _thrust(scene: Scene) -> str:
-    """Return what to do where blocks slide although a thrust could hold them."""
-    if scene.live is not None:
-        return NO_THRUST
-    return OTHER_THRUST if scene.yade.get("wedging") else GIVE_THRUST
-
-
-def _doubt(coulomb: CoulombSolution, unit: str) -> str:
-    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
-    if math.isinf(coulomb.uncertainty):
-        return f": {FELL}"
-    if coulomb.status is not Status.INACCURATE:
-        return ", so it has no value"
-    value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
-    return f": its value is {value}, and the largest residual of its limit state {coulomb.certificate:.1e}"
 
 
 def check_run(results: Results) -> list[Check]:
@@ -135,7 +31,7 @@ def check_run(results: Results) -> list[Check]:
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in ("plateau", "no plateau", "collapsed"):
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
-        step = MORE_TIME if run.status == "timeout" else REPAIR_YADE
+        step = next_steps.MORE_TIME if run.status == "timeout" else next_steps.REPAIR_YADE
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
     if bound.status is Status.INFEASIBLE:
         return [_check_standing(results)]
@@ -144,13 +40,13 @@ def check_run(results: Results) -> list[Check]:
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if answer.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {bound.status}, so YADE's {scene.quantity} cannot be compared."
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(analysis))]
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.without_value(analysis))]
     driven = _check_settlement(scene, run) if scene.live is None else _check_speed(results)
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
         reason = f"YADE's {scene.quantity} was not steady when the run ended: {run.result.message}."
-        return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason, next_step=LONGER)]
+        return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.LONGER)]
     checks.append(balance := _check_balance(results))
     is_on_its_way = balance.verdict is not Verdict.AGREE and balance.difference is not None
     return checks if is_on_its_way else [*checks, *_check_reaction(results)]
@@ -184,9 +80,9 @@ def _check_standing(results: Results) -> Check:
         return Check(name, Verdict.DISAGREE, reason=reason)
     came = "finds an equilibrium" if analysis.main_answer.status is Status.SOLVED else f"ended as {bound.status}"
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
-    step = _thrust(results.scene)
+    step = next_steps.for_a_thrust(results.scene)
     if _stood_at_rest(results):
-        slides, step = f" {SLIPPED}", SLOWER_RUN
+        slides, step = f" {SLIPPED}", next_steps.SLOWER_RUN
     return Check(name, Verdict.INCONCLUSIVE, reason=f"Limit analysis {came}, but {outcome} ({run.result.message}).{slides}", next_step=step)
 
 
@@ -214,12 +110,12 @@ def _check_speed(results: Results) -> Check:
     kept = moved >= run.result.plateau_start
     if np.count_nonzero(kept) < 2:
         reason = "The blocks never moved steadily along the load."
-        return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=LONGER)
+        return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.LONGER)
     power = blocks.mass[blocks.free] * (along := run.mechanism()[blocks.free, :3] @ live)
     set_speed, mean_speed = float(run.settings["speed"]), float(np.ptp(moved[kept]) / np.ptp(time[kept]))
     speed = mean_speed * float(power @ along / power.sum())
     reason = f"On the plateau the blocks moved at {speed:.3g} m/s on the mean, but {set_speed:.3g} m/s was set."
-    check = within(name, set_speed, speed, SPEED * set_speed, "m/s", reason, SLOWER_RUN)
+    check = within(name, set_speed, speed, SPEED * set_speed, "m/s", reason, next_steps.SLOWER_RUN)
     return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
 
 
@@ -246,7 +142,7 @@ def _check_equilibrium(results: Results) -> Check:
     rests = worst <= accepted
     verdict = Verdict.AGREE if rests else Verdict.INCONCLUSIVE
     name, unit = "equilibrium of the YADE state", "of the mean block weight"
-    words = ("", "") if rests else (reason, SLOWER_RUN)
+    words = ("", "") if rests else (reason, next_steps.SLOWER_RUN)
     return Check(name, verdict, 0.0, worst, worst, accepted, unit, *words)
 
 
@@ -264,7 +160,7 @@ def _check_balance(results: Results) -> Check:
     sizes = [f"{format_number(size, 3)} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
     reason = f"YADE's mean state is not in equilibrium: its unbalanced forces are worth {worth}."
-    check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason, SLOWER_RUN)
+    check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason, next_steps.SLOWER_RUN)
     return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
 
 

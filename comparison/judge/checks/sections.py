@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.tolerances import reaction_tolerance
+from comparison.judge.checks.tolerances import reaction_tolerance
 from comparison.numbers import format_number
 from comparison.verdict import Check, inside, within
 from comparison.yade import Results

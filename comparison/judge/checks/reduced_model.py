@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.tolerances import UNBALANCED
+from comparison.judge.checks.tolerances import UNBALANCED
 from comparison.verdict import Check, Verdict
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, reach

@@ -1,0 +1,76 @@
+"""The checks of limit analysis alone: the values that a scene expects, and whether there is an answer."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.prediction import FELL
+from comparison.judge.checks.tolerances import accuracy_share
+from comparison.numbers import format_number
+from comparison.verdict import Check, Verdict, within
+from la_core.analysis import LimitAnalysis
+from la_core.coulomb import CoulombSolution
+from la_core.limit import Drive, Status
+
+
+def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
+    """Yield a check of limit analysis for sharp edges against each value of the scene's table [expected].
+
+    Reaction and multiplier are compared with the answer for the scene's own friction, at its own inset where joints slide;
+    the greatest reaction and the values with "associated" in their names are compared with the associated answer. An answer
+    that was not requested is not compared.
+    """
+    scene = analysis.scene
+    expected = scene.expected
+    if expected is None:
+        return
+    main, greatest = analysis.sharp.bounds[analysis.main], analysis.sharp.bounds.get(Drive.PUSHING)
+    is_bound = scene.effects.friction in ("associated", "none-slides")
+    answer = analysis.sharp.coulomb or analysis.coulomb or (main if is_bound else None)  # None where only the bounds were requested
+    value, associated = expected.reaction_over_weight, expected.associated_reaction_over_weight
+    if scene.live is not None:
+        value, associated = expected.multiplier, expected.associated_multiplier
+    comparisons = (
+        (f"expected {scene.quantity}", value, answer),
+        (f"expected associated {scene.quantity}", associated, main),
+        ("expected greatest reaction", expected.reaction_max_over_weight, greatest),
+    )
+    divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, "of W")
+    for name, number, solution in comparisons:
+        if number is not None and solution is not None:
+            solved = solution.status is Status.SOLVED
+            computed = solution.value / divisor if solved else math.nan
+            tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
+            rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
+            edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
+            reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
+            check = within(name, computed, number, tolerance, unit, reason, next_steps.CHECK_SOURCE)
+            if not solved:
+                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
+                check = replace(check, reason=unknown)
+            if check.verdict is Verdict.AGREE:
+                check = replace(check, verdict=Verdict.EXPECTED_MET)  # by one method: nobody agrees with it
+            yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
+
+
+def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
+    """Yield a check that says why limit analysis has no answer, or an uncertain one; nothing where it is solved, or nothing can stand."""
+    associated, coulomb = analysis.bounds[analysis.main], analysis.coulomb
+    if associated.status not in (Status.SOLVED, Status.INFEASIBLE) and not analysis.is_without_bound:
+        reason = f"Limit analysis ended as {associated.status}, so it has no answer."
+        yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.without_value(analysis))
+    elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
+        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
+        step = next_steps.for_a_thrust(analysis.scene) if math.isinf(coulomb.uncertainty) else next_steps.FINER_PATHS
+        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)
+
+
+def _doubt(coulomb: CoulombSolution, unit: str) -> str:
+    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
+    if math.isinf(coulomb.uncertainty):
+        return f": {FELL}"
+    if coulomb.status is not Status.INACCURATE:
+        return ", so it has no value"
+    value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
+    return f": its value is {value}, and the largest residual of its limit state {coulomb.certificate:.1e}"

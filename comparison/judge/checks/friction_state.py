@@ -1,0 +1,63 @@
+"""The friction state of YADE's plateau: does every joint slide that should, and do joints stick and slip?"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.tolerances import UNCERTAIN, least_reaction
+from comparison.verdict import Check, Verdict, within
+from comparison.yade import Results
+from la_core.limit import Status, consistent_reaction
+from la_core.measures import residuals
+
+STEADY = 5e-3  # of the reaction: scatter about the plateau's line above this is stick-slip
+CONSISTENT = 1e-2  # of the reaction: slow steady runs are within 1e-4, runs that stick and slip miss by per cents
+
+
+def check_friction_state(results: Results) -> Check:
+    """Compare YADE's reaction with the least one that its own normal forces allow; they agree where every joint slides that should.
+
+    A multiplier is compared with the greatest one.
+    """
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    forces = run.plateau_forces()
+    normal = np.maximum(analysis.assembly.split(forces)[0], 0.0)
+    is_live = scene.live is not None
+    reaction = (residuals.multiplier if is_live else residuals.reaction)(analysis.assembly, forces)
+    consistent = consistent_reaction(analysis.assembly, normal)
+    name = "YADE's friction state"
+    if consistent.status is not Status.SOLVED:
+        ended = f"Limit analysis with YADE's mean normal forces on the plateau ended as {consistent.status}"
+        reason = f"{ended}, so these forces are not those of one quasi-static state."
+        return Check(name, Verdict.INCONCLUSIVE, None, reaction, None, None, scene.unit, reason, next_steps.SLOWER_RUN)
+    tolerance = max(CONSISTENT * abs(reaction), least_reaction(analysis)) + float(run.result.uncertainty)
+    end = f"{'high' if is_live else 'low'} as {consistent.value:.6g} {scene.unit}".rstrip()
+    possible = f"With friction limited by YADE's own normal forces, the {scene.quantity} could be as {end}"
+    scatter = _scatter(results)
+    slips = f" (stick-slip: scatter {scatter:.1%})" if scatter > STEADY else ""
+    reason = f"{possible}: not every joint slides that should{slips}."
+    check = within(name, consistent.value, reaction, tolerance, scene.unit, reason, next_steps.SLOWER_RUN)
+    return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
+
+
+def check_steadiness(results: Results) -> Check:
+    """Report stick-slip, which is no fault: the plateau's uncertainty includes it."""
+    scatter = _scatter(results)
+    name, unit = "steadiness of the plateau", "of R"
+    if not math.isfinite(scatter):
+        reason = "YADE recorded too few rows on the plateau to measure its scatter."
+        return Check(name, Verdict.AGREE, None, None, None, STEADY, unit, reason)
+    what = results.scene.quantity
+    slips = f"Stick-slip: the {what} scatters by {scatter:.1%} about its plateau; the uncertainty of the {what} includes this."
+    return Check(name, Verdict.AGREE, None, scatter, None, STEADY, unit, slips if scatter > STEADY else "")
+
+
+def _scatter(results: Results) -> float:
+    """Return the scatter about the plateau's line over the reaction, a small one taken as 1 % of the weight: noise is no stick-slip."""
+    analysis, run = results.analysis, results.recorded
+    settlement, reaction = run.settling("settlement"), run.settling("reaction")
+    kept = settlement >= run.result.plateau_start
+    size = max(abs(run.result.reaction), least_reaction(analysis) / UNCERTAIN)
+    return float(np.std((reaction - run.result.reaction - run.result.slope * settlement)[kept]) / size) if kept.any() else math.nan

@@ -1,0 +1,55 @@
+"""What a user can do next about a check that did not agree, in words that several checks share."""
+
+from comparison.verdict import HARDER
+from la_core.analysis import LimitAnalysis
+from la_core.limit import Status
+from la_core.scene import Scene
+
+CHECK_SOURCE = "Compare the scene with its source, and see for which friction law and inset the value of [expected] holds."
+MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
+FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a finer run of YADE. {HARDER}"
+SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
+BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
+TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thrust: set [effects] rotation = "finite". If not: {BOTH_FINER}'
+BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
+LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
+MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
+REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
+PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
+OTHER_DIRECTION = (
+    "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
+    "this motion, so no bound exists. If the direction is right, the blocks lock as they dilate"
+)
+JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
+MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
+GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
+OTHER_THRUST = (
+    "The thrust of [yade] wedging does not hold the blocks. Change its size, or compare the friction with its source: with little "
+    "friction no thrust may hold them once the support yields."
+)
+NO_THRUST = (
+    "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Under a "
+    "live load no support can give the blocks a thrust."
+)
+LONGER = (
+    "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
+    "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
+)
+
+
+def without_value(analysis: LimitAnalysis) -> str:
+    """Return what to do where limit analysis ended without a value."""
+    if analysis.bounds[analysis.main].status is not Status.UNBOUNDED:
+        return PLAIN_SCENE
+    if analysis.coulomb is not None and analysis.coulomb.iterations > 0:
+        return f"{OTHER_DIRECTION}{JAM}."
+    effects = analysis.scene.effects
+    left_out = MODEL_SLIDING if effects.friction in ("associated", "none-slides") else MODEL_STRAIN if effects.elasticity == "none" else ""
+    return f"{OTHER_DIRECTION}. {left_out}".rstrip()
+
+
+def for_a_thrust(scene: Scene) -> str:
+    """Return what to do where blocks slide although a thrust could hold them."""
+    if scene.live is not None:
+        return NO_THRUST
+    return OTHER_THRUST if scene.yade.get("wedging") else GIVE_THRUST

@@ -1,0 +1,116 @@
+"""The prediction of limit analysis that YADE's plateau is compared with, and why it may be no sharp one.
+
+It is the Coulomb prediction where there is one, and the associated answer elsewhere. Where joints slide, the associated answer is only a
+lower bound. A method in doubt, by evidence of its own, may confirm the other one but not contradict it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.mechanisms import ADMISSIBLE, BOUNDS_LEFT
+from comparison.judge.checks.tolerances import stated_uncertainty
+from comparison.numbers import format_number
+from comparison.yade import Results
+from la_core.coulomb import SLIDING_SHARE, CoulombSolution
+from la_core.limit import Drive, Status
+from la_core.measures import mechanism, residuals
+
+BOUND_ONLY = {
+    Drive.YIELDING: "The associated answer is then only a lower bound of the reaction, and YADE may lie above it.",
+    Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
+}
+FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """The prediction that YADE's plateau is compared with.
+
+    Attributes
+    ----------
+    value : float
+        Predicted reaction, N or N m.
+    interval : tuple of float
+        Least and greatest reaction that the predicted mechanism allows, N or N m; NaN where unknown.
+    twists : np.ndarray
+        Predicted mechanism (B, 6): twist of each block for a unit motion of the support.
+    slides : bool
+        Whether loaded joints slide.
+    stated : float
+        Uncertainty that limit analysis states, N or N m.
+    obstacle : str
+        Why the value is no sharp prediction; "" where it is one.
+    doubt : str
+        Why the value may confirm YADE but not contradict it; "" where it may do both.
+    next_step : str
+        What a user can do about the obstacle or the doubt.
+    """
+
+    value: float
+    interval: tuple[float, float]
+    twists: np.ndarray
+    slides: bool
+    stated: float = 0.0
+    obstacle: str = ""
+    doubt: str = ""
+    next_step: str = ""
+
+
+def predicted(results: Results) -> Prediction:
+    """Return the sharpest prediction that limit analysis has for this scene."""
+    analysis = results.analysis
+    bound, coulomb, assembly = analysis.bounds[analysis.main], analysis.coulomb, analysis.assembly
+    unknown = (math.nan, math.nan)
+    if slides_unforeseen(results):
+        obstacle = "Joints slide in YADE, but in no mechanism of limit analysis."
+        return Prediction(
+            bound.value, unknown, results.per_motion(bound.twists), True, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING
+        )
+    if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
+        slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
+        doubt, step = _doubt(coulomb, results.scene.unit)
+        stated = stated_uncertainty(analysis)
+        return Prediction(coulomb.value, coulomb.interval, results.per_motion(coulomb.twists), slides, stated, doubt=doubt, next_step=step)
+    slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
+    obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main, coulomb) if slides else ("", "")
+    return Prediction(bound.value, unknown, results.per_motion(bound.twists), slides, obstacle=obstacle, next_step=step)
+
+
+def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution | None) -> tuple[str, str]:
+    """Why the associated answer is no prediction where joints slide, for the modelled effect `friction`, and what to do."""
+    if friction == "none-slides":
+        return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY[drive]}", next_steps.MODEL_SLIDING
+    dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY[drive]}"
+    if coulomb is not None and math.isinf(coulomb.uncertainty):
+        return f"The prediction has no value: {FELL}. {dilates}", BOUNDS_LEFT
+    return dilates, next_steps.FINER_PATHS if friction == "coulomb" else next_steps.MODEL_SLIDING
+
+
+def _doubt(coulomb: CoulombSolution, unit: str) -> tuple[str, str]:
+    """Why a prediction may confirm YADE but not contradict it, and what to do; two times "" where it may do both."""
+    if len(coulomb.plateaus):
+        several = ", ".join(f"{format_number(value, 4)} {unit}".rstrip() for value in coulomb.plateaus.tolist())
+        return f"The structure has several plateaus ({several}), so a single plateau cannot contradict YADE.", next_steps.LEAST_FAVOURABLE
+    if coulomb.status is not Status.SOLVED:
+        residual = f"largest residual {coulomb.certificate:.1e}"
+        return f"The end of the path is no limit state ({residual}), so its value cannot contradict YADE.", next_steps.FINER_PATHS
+    return "", ""
+
+
+def slides_unforeseen(results: Results) -> bool:
+    """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore left sliding out."""
+    effects = results.analysis.assembly.effects
+    return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
+
+
+def _slides_in_yade(results: Results) -> bool:
+    """Return whether joints of YADE's mechanism slide faster than they open, without penetrating: limit analysis excludes that."""
+    analysis, run = results.analysis, results.recorded
+    twists = run.mechanism()
+    if np.isnan(twists).any():
+        return False
+    penetrates = residuals.penetration(analysis.assembly, twists) > ADMISSIBLE
+    return not penetrates and residuals.flow_rule_violation(analysis.assembly, twists) > ADMISSIBLE

@@ -1,0 +1,144 @@
+"""Compare YADE's plateau with the prediction: the reaction decides, then its interval, the friction state and the mechanism."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.curves import earlier_agreement
+from comparison.judge.checks.friction_state import check_friction_state, check_steadiness
+from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
+from comparison.judge.checks.prediction import Prediction, predicted
+from comparison.judge.checks.tolerances import UNCERTAIN, Unsure, floor, least_reaction, reaction_tolerance, unbalanced, unsure_methods
+from comparison.numbers import format_number, settlement_text
+from comparison.verdict import Check, Verdict, inside, within
+from comparison.yade import Results
+from la_core import exchange
+from la_core.analysis import wedging
+from la_core.measures import mechanism
+
+
+def check_prediction(results: Results) -> Iterator[Check]:
+    """Yield the checks of the reaction, its interval, YADE's friction state and the mechanism.
+
+    The reaction decides. Where it agrees, what the other checks find is a remark, unless it contradicts limit analysis outright.
+    """
+    analysis, run = results.analysis, results.recorded
+    prediction = predicted(results)
+    state = check_friction_state(results) if prediction.slides and analysis.coulomb is not None else None
+    yield (reaction := _check_reaction(results, prediction, state))
+    agrees = reaction.verdict is Verdict.AGREE
+    if state is not None:
+        yield from _check_interval(results, prediction)
+        yield _remark(state) if agrees else state
+        yield check_steadiness(results)
+    determined = not (prediction.slides or analysis.is_without_bound)
+    for check in check_mechanism(results, prediction.twists, determined, is_alone=prediction.slides and analysis.coulomb is None):
+        yield _remark(check) if agrees and not determined and np.isfinite(run.mechanism()).all() else check
+
+
+def _remark(check: Check) -> Check:
+    """Return an inconclusive check as one that agrees, its reason as a remark."""
+    return replace(check, verdict=Verdict.AGREE, next_step="") if check.verdict is Verdict.INCONCLUSIVE else check
+
+
+def _check_reaction(results: Results, prediction: Prediction, state: Check | None) -> Check:
+    """Compare the reactions. state: the check of YADE's friction state, where there is one."""
+    scene, run = results.scene, results.recorded
+    name, value, reaction = f"{scene.quantity} against prediction", prediction.value, run.result.reaction
+    if prediction.obstacle:
+        numbers = value, reaction, reaction - value, None
+        return Check(name, Verdict.INCONCLUSIVE, *numbers, scene.unit, prediction.obstacle, prediction.next_step)
+    tolerance = reaction_tolerance(results, prediction.stated)
+    check = within(name, value, reaction, tolerance, scene.unit, _difference_words(results, prediction), next_steps.BOTH_FINER)
+    if unsure := unsure_methods(results, prediction.stated):
+        return _unsure_check(results, check, unsure)
+    if check.verdict is Verdict.DISAGREE:
+        doubts = [(prediction.doubt, prediction.next_step), _other_history(results), _jump(results)]
+        doubts += (
+            [("YADE's own state is in doubt.", next_steps.SLOWER_RUN)] if state is not None and state.verdict is not Verdict.AGREE else []
+        )
+        if known := [(doubt, step) for doubt, step in doubts if doubt]:
+            return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
+        if prediction.slides and (before := earlier_agreement(results, value, tolerance)):
+            is_small = results.analysis.assembly.effects.rotation == "small"
+            return replace(check, reason=f"{check.reason} {before}", next_step=next_steps.TWO_LEVELS if is_small else next_steps.BOTH_FINER)
+    return check
+
+
+def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check:
+    """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree."""
+    reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
+    if check.difference is not None and abs(check.difference) <= floor(results):
+        alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone."
+        return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}")
+    step = next_steps.FINER_PATHS if unsure[0].method == "limit analysis" else next_steps.SLOWER_RUN
+    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
+
+
+def _other_history(results: Results) -> tuple[str, str]:
+    """Why both methods follow different histories of friction, and what to do; two times "" where nothing says so.
+
+    Only a lifted support is excused: its lift is a history before the settlement, and the methods need not come to rest alike.
+    """
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    if not wedging(scene) or analysis.coulomb is None or not len(recorded := run.settling("reaction")):
+        return "", ""
+    rest, other = analysis.coulomb.at_rest, float(recorded[0])
+    if not abs(other - rest) > UNCERTAIN * max(abs(rest), least_reaction(analysis) / UNCERTAIN):
+        return "", ""
+    states = f"{rest:.6g} {scene.unit} in limit analysis, {other:.6g} {scene.unit} in YADE"
+    return (
+        f"After the lift ([yade] wedging) the methods are at rest in different states ({states}): two histories of friction.",
+        next_steps.BOUNDS,
+    )
+
+
+def _jump(results: Results) -> tuple[str, str]:
+    """Why a jump on YADE's way may have led to another plateau, and what to do; two times "" where no block jumped.
+
+    Without a jump a wall of 250 blocks came to the plateau of limit analysis, and after jumps to others, 8 to 12 % higher.
+    """
+    settlement, sizes = (results.recorded.settling(name) for name in ("settlement", "unbalanced"))
+    if not len(sizes) or not sizes.max() > exchange.JUMP * unbalanced(results):
+        return "", ""
+    place = settlement_text(settlement[sizes.argmax()], results.scene.settlement_unit)
+    jump = f"of {sizes.max():.2g} mean block weights at a settlement of {place}"
+    return (
+        f"On YADE's way a block jumped (unbalanced force {jump}), and a jump by inertia may lead to another plateau.",
+        next_steps.SLOWER_RUN,
+    )
+
+
+def _difference_words(results: Results, prediction: Prediction) -> str:
+    scene, apart = results.scene, abs(results.recorded.result.reaction - prediction.value)
+    is_small = not abs(prediction.value) > least_reaction(results.analysis)
+    distance = f"{format_number(apart, 4)} {scene.unit}".rstrip() + ("" if is_small else f" ({apart / abs(prediction.value):.1%})")
+    allowed = f"{format_number(reaction_tolerance(results, prediction.stated), 4)} {scene.unit}".rstrip()
+    note = "" if prediction.slides else ", although no joint slides"
+    return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
+
+
+def _unsure_words(unsure: Unsure, unit: str) -> str:
+    size, allowed = (f"{format_number(value, 3)} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
+    named = "YADE" if unsure.method == "YADE" else "Limit analysis"
+    return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large to decide by ({allowed} allowed)."
+
+
+def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]:
+    """Yield the check that YADE's reaction lies in the interval, which binds every method with the same mechanism."""
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    if any(math.isnan(end) for end in prediction.interval):
+        return
+    reason = f"YADE's {scene.quantity} lies outside the interval that the Coulomb mechanism allows for any history of friction."
+    tolerance = reaction_tolerance(results, prediction.stated)
+    name = f"{scene.quantity} within the mechanism's interval"
+    check = inside(name, prediction.interval, run.result.reaction, tolerance, scene.unit, reason, next_steps.BOTH_FINER)
+    alike = mechanism.similarity(analysis.assembly.blocks, prediction.twists, run.mechanism())
+    if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
+        other = f"YADE moves by another mechanism (modal assurance {alike:.3f}), to which the Coulomb interval does not apply."
+        other = "YADE's mechanism is unknown, so that the Coulomb interval may not apply." if math.isnan(alike) else other
+        check = replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{prediction.doubt or other} {check.reason}")
+    yield check
