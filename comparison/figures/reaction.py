@@ -45,6 +45,7 @@ LEAST = r"limit analysis, $R_{\min}$"
 GREATEST = r"limit analysis, $R_{\max}$"
 ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
+RELEASED = "limit analysis, after a release"
 HISTORY = "interval: value depends on friction's history"
 CURVE = "limit analysis, curve of the prediction"
 PATH = "limit analysis, path from rest"
@@ -144,6 +145,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
         "least": (least, (named,)),
         "greatest": (r"$R_{\max}$, associated", (GREATEST,)),
         "coulomb": ("Coulomb prediction", (COULOMB,)),
+        "released": ("after turning blocks released a thrust", (RELEASED,)),
     }
     if is_joint(analysis):
         names["least"] = (f"{least}, and Coulomb prediction", (named, COULOMB))
@@ -167,6 +169,8 @@ def _value_words(analysis: LimitAnalysis, scales: Scales, key: str) -> str:
     unit = f" {scales.reaction_unit}".rstrip()
     shown = "coulomb" if key == "least" and is_joint(analysis) else key
     value = levels(analysis)[shown] / scales.reaction
+    if shown == "released" and analysis.coulomb is not None:
+        return f"{with_uncertainty(value, analysis.coulomb.released_uncertainty / scales.reaction)}{unit}"
     if shown != "coulomb" or analysis.coulomb is None:
         return f"{format_number(value, 5)}{unit}"
     several = several_plateaus((analysis.coulomb.plateaus / scales.reaction).tolist(), scales.reaction_unit)
@@ -215,6 +219,8 @@ def _draw_prediction(axes: Any, results: Results, scales: Scales, limits: tuple[
     if "coulomb" in lines:
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
+    if "released" in lines:
+        axes.axhline(lines["released"], color=LIMIT_ANALYSIS, linewidth=1.6, linestyle=(0, (6.0, 1.5, 1.0, 1.5, 1.0, 1.5)), label=RELEASED)
     settlement, value = curve_of(results, end)
     if len(settlement):
         # Short dashes above YADE's solid record, so that both are visible where they coincide, in grey, too.

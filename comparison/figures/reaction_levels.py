@@ -9,6 +9,7 @@ import numpy as np
 from comparison.numbers import POINT, force_unit, format_number
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
+from la_core.coulomb import is_changed_by_release
 from la_core.limit import Drive, Solution, Status
 from la_core.text_table import without_round_off
 
@@ -54,7 +55,7 @@ def obstacle_of(analysis: LimitAnalysis) -> str:
 
 
 def levels(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the finite values of limit analysis, N, N m or multipliers, by name: least, sharp, greatest, coulomb."""
+    """Return the finite values of limit analysis, N, N m or multipliers, by name: least, sharp, greatest, coulomb, released."""
     named = {
         "least": _value(analysis.bounds, analysis.main),
         "sharp": _value(analysis.sharp.bounds, analysis.main),
@@ -62,6 +63,8 @@ def levels(analysis: LimitAnalysis) -> dict[str, float]:
     }
     if analysis.coulomb is not None:
         named["coulomb"] = analysis.coulomb.value
+        if is_changed_by_release(analysis.coulomb, analysis.assembly.in_value_unit(analysis.assembly.weight)):
+            named["released"] = analysis.coulomb.released
     size = 0.0 if analysis.main is Drive.LIVE else analysis.assembly.weight
     return {name: without_round_off(value, size) for name, value in named.items() if np.isfinite(value)}
 

@@ -33,7 +33,7 @@ LIMITATIONS = (
     "settlement; only the tolerances cover the remaining influence of stiffness and speed. Where joints slide, turning blocks may release "
     "a thrust after some tenths of a millimetre, and the reaction comes to another plateau within the bounds. [effects] "
     'rotation = "small" is for settlements before this release, "finite" for settlements after it. By default limit analysis also says '
-    "what the prediction becomes after the release; YADE then checks only the value before it.",
+    "what the prediction becomes after the release; YADE checks the value before it, and the value after it where its run goes so far.",
     "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
     "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
     "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",

@@ -10,12 +10,12 @@ from la_core.analysis import reach
 from la_core.analysis.modelling import StructuralModel, drives, structural_model, wedging
 from la_core.analysis.settings import AnalysisSettings
 from la_core.coulomb import (
-    CHANGED,
     ONE_VALUE,
     CoulombSolution,
     Sliding,
     change_by_release,
     interval_status,
+    is_changed_by_release,
     look_for_sliding,
     relative_width,
 )
@@ -157,7 +157,7 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
     change, doubt = change_by_release(coulomb, unit)
     if abs(change) + doubt <= ONE_VALUE:
         return f"turning blocks change it by at most {number_text(100.0 * (abs(change) + doubt), 2)} %"
-    if abs(change) <= max(CHANGED, doubt):
+    if not is_changed_by_release(coulomb, unit):
         return f"it is uncertain whether turning blocks change it ({number_text(100.0 * change, 2)} ± {number_text(100.0 * doubt, 1)} %)"
     value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
     size = f"{number_text(100.0 * abs(change), 2)} ± {number_text(100.0 * doubt, 1)} % {'more' if change > 0.0 else 'less'}"

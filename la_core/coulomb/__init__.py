@@ -7,13 +7,12 @@ from la_core.coulomb.interval import ONE_VALUE, interval_status, relative_width
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import FLAT, plateau_of, reference_size
 from la_core.coulomb.prediction import predict, reaction_at_rest
-from la_core.coulomb.release import CHANGED, change_by_release
+from la_core.coulomb.release import change_by_release, is_changed_by_release
 from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 
 __all__ = [
     "ACCEPTED_RESIDUAL",
-    "CHANGED",
     "FLAT",
     "ONE_VALUE",
     "SAME_VALUE",
@@ -27,6 +26,7 @@ __all__ = [
     "change_by_release",
     "follow_path",
     "interval_status",
+    "is_changed_by_release",
     "look_for_sliding",
     "plateau_of",
     "predict",

@@ -78,3 +78,9 @@ def change_by_release(coulomb: CoulombSolution, unit: float) -> tuple[float, flo
     """Change of a prediction by a release and the doubt about it, both over the value. unit: value of a scaled one."""
     size = reference_size(coulomb.value / unit) * unit
     return (coulomb.released - coulomb.value) / size, (coulomb.uncertainty + coulomb.released_uncertainty) / size
+
+
+def is_changed_by_release(coulomb: CoulombSolution, unit: float) -> bool:
+    """Return whether a release changes a prediction by more than CHANGED, beyond doubt; False where unknown. unit: of a scaled value."""
+    change, doubt = change_by_release(coulomb, unit)
+    return abs(change) > max(CHANGED, doubt)

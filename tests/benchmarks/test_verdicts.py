@@ -8,7 +8,8 @@ from typing import Any
 
 import benchmark_verdicts
 import pytest
-from benchmark_verdicts import moved, numbers, page
+from benchmark_verdicts import apart, moved, numbers, page, values
+from judged_runs import REACTION
 from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, SEED, drawn
 
 from la_core.model import assemble
@@ -91,11 +92,25 @@ def test_an_agreement_is_run_again_unless_every_scene_runs_once(
     def run_scene(scene: Scene, *_: object, **__: object) -> dict[str, Any]:
         made.append(scene.name)
         summary = dict.fromkeys(("reason", "next_step", "unit"), "") | {"verdict": verdict, "weight": 1.0, "free_blocks": 9}
-        return summary | {"limit_analysis": {"coulomb": None}, "yade": None, "settings": {}}
+        return summary | {"limit_analysis": {"coulomb": None}, "yade": None, "settings": {}, "checks": []}
 
     monkeypatch.setattr(benchmark_verdicts, "run_scene", run_scene)
     found = benchmark_verdicts.measured(0, 7, tmp_path, once, harder=False)
     assert len(made) == runs and ("again" in found) == (runs == 2) and found["friction"] == drawn(0, 7).scene.friction
+
+
+@pytest.mark.parametrize(("verdict", "compared", "released"), [("agree", 90.0, 0.45), ("agree", 100.0, None), ("disagree", 90.0, None)])
+def test_the_page_names_agreements_with_the_value_after_a_release(verdict: str, compared: float, released: float | None) -> None:
+    """The prediction is 100 N, 0.5 of the weight; YADE's plateau 90 N."""
+    summary: dict[str, Any] = dict.fromkeys(("reason", "next_step", "unit"), "") | {"verdict": verdict, "weight": 200.0, "free_blocks": 9}
+    summary |= {"limit_analysis": {"coulomb": {"reaction": 100.0, "uncertainty": 0.1}}, "yade": {"reaction": 90.0, "uncertainty": 0.1}}
+    summary["checks"] = [{"name": "reaction within bounds", "limit_analysis": 1.0}, {"name": REACTION, "limit_analysis": compared}]
+    found = values(summary)
+    assert found.get("released") == released
+    one = entry(3, verdict, 0.1) | found
+    text = page({"seed": 7, "versions": {}, "scenes": {"3": one}})
+    assert ("; then 0.45 |" in text and "after a release (*then*): 3." in text) == (released is not None)
+    assert apart(one) == (0.0 if released else pytest.approx(1.0 / 9.0))
 
 
 @pytest.mark.parametrize("record", RECORDS, ids=lambda path: path.stem)

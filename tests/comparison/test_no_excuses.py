@@ -1,6 +1,7 @@
 """Neither an interval nor another mechanism excuses a difference, and only what is determined decides."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -88,14 +89,53 @@ def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     settlement = run.record.settlement / run.record.settlement[-1]
     held = [(settlement >= begin) & (settlement <= end) for begin, end in stretches]
     run.record.reaction[np.any(held, axis=0)] = level * value
-    check = named(REACTION, judged(wall, run))
+    unknown = with_answers(wall, coulomb=coulomb_of(wall, released=math.nan, released_uncertainty=math.nan))
+    check = named(REACTION, judged(unknown, run))
     assert check.verdict is Verdict.DISAGREE
     assert ("within the tolerance of the prediction" in check.reason) == ("rests there" in check.next_step) == (named_stretch is not None)
-    finite = wall.with_effects(wall.assembly.effects.with_effect("rotation", "finite", ""))
+    finite = unknown.with_effects(wall.assembly.effects.with_effect("rotation", "finite", ""))
     assert "rotation" not in named(REACTION, judged(finite, run)).next_step  # the prediction has released what turning blocks release
     if named_stretch is not None:
         first, *_, last = 1e3 * run.record.settlement[held[named_stretch]]
         assert f"Before its plateau, from {first:.3g} mm to {last:.3g} mm, YADE's reaction" in check.reason
+
+
+@pytest.mark.parametrize(
+    ("released", "stated", "was_there", "verdict", "words", "step"),
+    [
+        (1.05, 1e-4, True, "agree", "The plateau agrees with the value that limit analysis predicts after turning blocks", ""),
+        (1.05, 1e-4, False, "inconclusive", "but its curve was not at the prediction before", 'rotation = "finite"'),
+        (1.05, 0.02, True, "inconclusive", "but this is too uncertain to decide by", 'rotation = "finite"'),
+        (1.07, 1e-4, True, "disagree", "It also differs from the value", "finer settings"),
+        (0.95, 1e-4, True, "disagree", "It also differs from the value", "finer settings"),
+        (1.0001, 1e-4, True, "disagree", "Before its plateau", "finer settings"),  # turning blocks change nothing
+        (1.02, 0.04, True, "disagree", "Before its plateau", "finer settings"),  # nobody knows whether they do
+    ],
+)
+def test_a_plateau_after_a_release_agrees_where_both_levels_are_those_of_limit_analysis(
+    wall: LimitAnalysis, released: float, stated: float, was_there: bool, verdict: str, words: str, step: str
+) -> None:
+    """YADE's plateau is 5 % above the prediction; released and stated are over the prediction."""
+    value = coulomb_of(wall).value
+    run = coulomb_run(wall, reaction=1.05 * value)
+    if was_there:
+        run.record.reaction[run.record.settlement <= 0.2 * run.record.settlement[-1]] = value
+    analysis = with_answers(wall, coulomb=coulomb_of(wall, released=released * value, released_uncertainty=stated * value))
+    found = judged(analysis, run)
+    check = named(REACTION, found)
+    assert check.verdict == verdict and words in check.reason and step in check.next_step
+    compared = released if verdict == "agree" else 1.0
+    assert check.limit_analysis == pytest.approx(compared * value) and check.difference == pytest.approx((1.05 - compared) * value)
+    assert overall(found)[0] == verdict
+
+
+def test_a_run_in_doubt_may_not_agree_with_the_value_after_a_release(wall: LimitAnalysis) -> None:
+    value = coulomb_of(wall).value
+    run = coulomb_run(wall, reaction=1.05 * value)
+    run.record.reaction[run.record.settlement <= 0.2 * run.record.settlement[-1]] = value
+    run.record.unbalanced[len(run.record) // 2] = 0.6  # a block jumped
+    analysis = with_answers(wall, coulomb=coulomb_of(wall, released=1.05 * value, released_uncertainty=1e-4 * value))
+    assert named(REACTION, judged(analysis, run)).verdict is Verdict.INCONCLUSIVE
 
 
 @pytest.mark.parametrize(("wedging", "rest", "verdict"), [(5e-5, 0.96, "inconclusive"), (5e-5, 1.0, "disagree"), (0.0, 0.96, "disagree")])

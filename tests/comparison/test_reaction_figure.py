@@ -57,6 +57,28 @@ def labels_of(axes: Any) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
+    ("released", "stated", "is_drawn"),
+    [(1.05, 1e-3, True), (0.9, 1e-3, True), (1.0, 1e-3, False), (1.05, 0.1, False), (np.nan, np.nan, False)],
+)
+def test_the_value_after_a_release_is_a_level_where_it_is_another_one(
+    released: float, stated: float, is_drawn: bool, tmp_path: Path
+) -> None:
+    """Both are given over the prediction; a change within the uncertainty is no level of its own."""
+    analysis = frictional(analyse(scene_of(tmp_path, SCENES["plane"])), (0.9, 1.3))
+    coulomb = analysis.coulomb
+    assert coulomb is not None
+    coulomb = replace(coulomb, uncertainty=0.0, released=released * coulomb.value, released_uncertainty=stated * coulomb.value)
+    analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb))
+    figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
+    levels = [line for axes in figure.axes for line in axes.get_lines() if line.get_label() == plot_reaction.RELEASED]
+    assert len(levels) == (len(figure.axes) if is_drawn else 0)
+    assert all(line.get_ydata()[0] == pytest.approx(1e-3 * coulomb.released) for line in levels)
+    keys = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+    labels = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert (plot_reaction.RELEASED in keys or any("after turning blocks released" in label for label in labels)) == is_drawn
+
+
+@pytest.mark.parametrize(
     ("share", "drawn"),
     [
         ((1.0, 1.3), True), ((1.0, np.inf), True), ((-np.inf, 1.3), True), ((1.1, 1.1 + 1e-6), False), ((np.nan, 1.3), False),

@@ -17,8 +17,9 @@ import la_core
 from la_core.analysis import analyse
 from la_core.analysis.answer import answer_rows
 from la_core.analysis.case_file import read_case, write_case
-from la_core.coulomb import CHANGED, CoulombSolution, PredictionSettings, change_by_release, prediction
+from la_core.coulomb import CoulombSolution, PredictionSettings, change_by_release, prediction
 from la_core.coulomb.path import quasi_static_path
+from la_core.coulomb.release import CHANGED
 from la_core.limit import Drive, Status, solve_associated
 from la_core.scene import Scene
 

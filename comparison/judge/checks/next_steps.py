@@ -11,6 +11,7 @@ FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a fi
 SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thrust: set [effects] rotation = "finite". If not: {BOTH_FINER}'
+AFTER_RELEASE = 'Set [effects] rotation = "finite": both methods then answer for the motion after the release.'
 BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."

@@ -14,15 +14,35 @@ from comparison.judge.checks.mechanisms import ADMISSIBLE, BOUNDS_LEFT
 from comparison.judge.checks.tolerances import stated_uncertainty
 from comparison.numbers import format_number
 from comparison.yade import Results
-from la_core.coulomb import SLIDING_SHARE, CoulombSolution
+from la_core.coulomb import SLIDING_SHARE, CoulombSolution, is_changed_by_release
 from la_core.limit import Drive, Status
 from la_core.measures import mechanism, residuals
+from la_core.model import Assembly
 
 BOUND_ONLY = {
     Drive.YIELDING: "The associated answer is then only a lower bound of the reaction, and YADE may lie above it.",
     Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
 }
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
+
+
+@dataclass(frozen=True)
+class Release:
+    """What limit analysis predicts after turning blocks have released a thrust.
+
+    Attributes
+    ----------
+    value : float
+        Predicted reaction, N or N m.
+    stated : float
+        Uncertainty that limit analysis states, N or N m.
+    is_other : bool
+        Whether this is another reaction than before, beyond doubt.
+    """
+
+    value: float
+    stated: float
+    is_other: bool
 
 
 @dataclass(frozen=True)
@@ -41,6 +61,8 @@ class Prediction:
         Whether loaded joints slide.
     stated : float
         Uncertainty that limit analysis states, N or N m.
+    release : Release or None
+        The reaction after turning blocks have released a thrust; None where limit analysis has not followed it.
     obstacle : str
         Why the value is no sharp prediction; "" where it is one.
     doubt : str
@@ -54,6 +76,7 @@ class Prediction:
     twists: np.ndarray
     slides: bool
     stated: float = 0.0
+    release: Release | None = None
     obstacle: str = ""
     doubt: str = ""
     next_step: str = ""
@@ -72,11 +95,19 @@ def predicted(results: Results) -> Prediction:
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         doubt, step = _doubt(coulomb, results.scene.unit)
-        stated = stated_uncertainty(analysis)
-        return Prediction(coulomb.value, coulomb.interval, results.per_motion(coulomb.twists), slides, stated, doubt=doubt, next_step=step)
+        stated, release = stated_uncertainty(analysis), _release(coulomb, assembly)
+        motion = results.per_motion(coulomb.twists)
+        return Prediction(coulomb.value, coulomb.interval, motion, slides, stated, release, doubt=doubt, next_step=step)
     slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
     obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main, coulomb) if slides else ("", "")
     return Prediction(bound.value, unknown, results.per_motion(bound.twists), slides, obstacle=obstacle, next_step=step)
+
+
+def _release(coulomb: CoulombSolution, assembly: Assembly) -> Release | None:
+    if math.isnan(coulomb.released):
+        return None
+    is_other = is_changed_by_release(coulomb, assembly.in_value_unit(assembly.weight))
+    return Release(coulomb.released, coulomb.released_uncertainty, is_other)
 
 
 def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution | None) -> tuple[str, str]:

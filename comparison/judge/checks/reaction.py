@@ -12,7 +12,7 @@ from comparison.judge.checks.friction_state import check_friction_state, check_s
 from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
 from comparison.judge.checks.prediction import Prediction, predicted
 from comparison.judge.checks.tolerances import UNCERTAIN, Unsure, floor, least_reaction, reaction_tolerance, unbalanced, unsure_methods
-from comparison.numbers import format_number, settlement_text
+from comparison.numbers import format_number, settlement_text, with_uncertainty
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
@@ -62,10 +62,38 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
         )
         if known := [(doubt, step) for doubt, step in doubts if doubt]:
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
-        if prediction.slides and (before := earlier_agreement(results, value, tolerance)):
-            is_small = results.analysis.assembly.effects.rotation == "small"
-            return replace(check, reason=f"{check.reason} {before}", next_step=next_steps.TWO_LEVELS if is_small else next_steps.BOTH_FINER)
+        if prediction.slides:
+            return _check_release(results, prediction, check, earlier_agreement(results, value, tolerance))
     return check
+
+
+def _check_release(results: Results, prediction: Prediction, check: Check, before: str) -> Check:
+    """Return the check where YADE's plateau may be the one after turning blocks have released a thrust.
+
+    Limit analysis says before YADE runs what this plateau is. Both levels must be YADE's: its curve was at the prediction before, and its
+    plateau is at the released value.
+
+    check: says that the plateau differs from the prediction. before: where the curve was at the prediction, "" if it was not.
+    """
+    scene, reaction, release = results.scene, results.recorded.result.reaction, prediction.release
+    check = replace(check, reason=f"{check.reason} {before}".rstrip())
+    if release is None:
+        is_small = results.analysis.assembly.effects.rotation == "small"
+        return replace(check, next_step=next_steps.TWO_LEVELS) if before and is_small else check
+    if not release.is_other:
+        return check
+    value = f"{with_uncertainty(release.value, release.stated)} {scene.unit}".rstrip()
+    after = f"the value that limit analysis predicts after turning blocks have released a thrust, {value}"
+    tolerance = reaction_tolerance(results, release.stated)
+    if abs(reaction - release.value) > tolerance:
+        return replace(check, reason=f"{check.reason} It also differs from {after}.")
+    is_unsure = bool(unsure_methods(results, release.stated))
+    if before and not is_unsure:
+        reason = f"{before} The plateau agrees with {after}."
+        return Check(check.name, Verdict.AGREE, release.value, reaction, reaction - release.value, tolerance, scene.unit, reason)
+    but = "but this is too uncertain to decide by" if is_unsure else "but its curve was not at the prediction before"
+    reason = f"{check.reason} The plateau is within the tolerance of {after}, {but}."
+    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.AFTER_RELEASE)
 
 
 def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check:
