@@ -113,10 +113,12 @@ class SharedProgress:
         Receives the progress, from one path at a time.
     paths : int
         Number of paths; more may follow.
+    goes_on : bool
+        Whether as many paths are expected to follow, so that these are the first half of the work.
     """
 
-    def __init__(self, joints: ElasticJoints, report: Reporter | None, paths: int) -> None:
-        self._joints, self._report = joints, report
+    def __init__(self, joints: ElasticJoints, report: Reporter | None, paths: int, goes_on: bool = False) -> None:
+        self._joints, self._report, self._goes_on = joints, report, goes_on
         self._shares = [0.0] * paths
         self._lock, self._is_stopped = threading.Lock(), False
 
@@ -126,7 +128,7 @@ class SharedProgress:
 
     def senders_of_more(self, viscosities: list[float]) -> list[Sender]:
         """Return the functions that report the points of paths beyond those so far, one for each first viscosity."""
-        so_far = len(self._shares)
+        so_far, self._goes_on = len(self._shares), False
         self._shares += [0.0] * len(viscosities)
         return [self.sender(viscosity, so_far + number) for number, viscosity in enumerate(viscosities, start=1)]
 
@@ -139,7 +141,7 @@ class SharedProgress:
                 raise InterruptedError("another path has ended the prediction")
             self._shares[path - 1] = min(progress / end, 1.0)
             if self._report is not None:
-                share = sum(self._shares) / len(self._shares)
+                share = sum(self._shares) / len(self._shares) / (2.0 if self._goes_on else 1.0)
                 with self._lock:
                     value = self._joints.value_in_units(value)
                     self._report(PathProgress(progress, share, value, viscosity, path, len(self._shares)))

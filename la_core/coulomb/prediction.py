@@ -119,7 +119,7 @@ def _followed_from_rest(
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
         return _of_falling_blocks(assembly, start, iterations)
-    progress = SharedProgress(joints, report, len(settings.viscosities))
+    progress = SharedProgress(joints, report, len(settings.viscosities), settings.with_release)
     followed = _paths(joints, tangent, rest, settings, progress) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
     if not followed or followed[-1].plateau.travel < least_travel(joints):

@@ -42,6 +42,18 @@ def test_bounds_are_told_before_the_prediction_and_are_those_of_the_answer(name:
     assert analysis.coulomb is not None
 
 
+@pytest.mark.parametrize("name", ["wall_third", "wall_low_friction"])
+def test_paths_that_are_followed_on_are_half_of_the_work_from_the_start(name: str) -> None:
+    """Two paths with finite rotations follow the first two."""
+    heard = Heard()
+    coulomb = analyse(scenes.shipped(name), listener=heard).coulomb
+    assert coulomb is not None and np.isfinite(coulomb.released)
+    reports = [report for report in heard.found if isinstance(report, PathProgress)]
+    last = {report.path: report.share for report in reports}
+    assert list(last) == [1, 2, 3, 4] and list(last.values()) == pytest.approx([0.25, 0.5, 0.75, 1.0])
+    assert min(report.share for report in reports if report.path > 2) >= 0.5
+
+
 @pytest.mark.parametrize("name", ["wall_third", "ferris_tin_loi_1"])
 def test_bounds_do_not_depend_on_the_number_of_threads(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found = []
