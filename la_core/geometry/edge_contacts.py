@@ -6,7 +6,7 @@ import numpy as np
 
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.faces import opposite_faces
-from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, near_pairs, touching
+from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, near_pairs, overlaps, touching
 from la_core.geometry.polygons import group_members, next_corners, owners
 
 SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and a block this close to its place reaches it
@@ -35,7 +35,7 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     """Find the pairs of blocks that touch along an edge or at a corner alone.
 
     Where courses cross, as in a stack bond, blocks across from each other touch so, too: the blocks beside them have joints with both,
-    and nothing is missing there. Such pairs are left out.
+    and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
     """
     parts, owner = blocks.parts, blocks.part_block
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
@@ -53,6 +53,7 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     touches = np.isfinite(length)
     pairs, place, length, reach = pairs[touches], place[touches], length[touches], SAME * tolerance[touches]
     alone = ~_filled(blocks, joined, pairs, place, reach)
+    alone[alone] = ~_overlap(parts, pairs[alone], reach[alone] / SAME)
     length = np.where(length > reach, length, 0.0)
     both, first = np.unique(owner[pairs[alone]], axis=0, return_index=True)
     return EdgeContacts(both, place[alone][first], length[alone][first])
@@ -65,6 +66,12 @@ def _joined(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.n
     overlap, _, _ = touching(parts, pair, face_a, face_b, tolerance)
     found = blocks.part_block[pairs[pair[overlap]]]
     return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
+
+
+def _overlap(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
+    """Mask (P,) of the pairs (P, 2) of convex blocks that share volume, deeper than the tolerance (P,), m."""
+    deep = np.array([(a, b) for a, b, *_ in overlaps(parts, pairs, tolerance)], dtype=int).reshape(-1, 2)
+    return _are_among(pairs, deep)
 
 
 def _are_among(pairs: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -72,3 +72,10 @@ def test_blocks_whose_other_parts_share_a_joint_are_not_told() -> None:
 @pytest.mark.parametrize("name", ["stack_bond_wall", "corner_settling_end", "vault_spreading", "dome_sector", "facade", "rubble_wall"])
 def test_shipped_walls_arches_and_domes_are_told_nothing(name: str) -> None:
     assert not len(edge_contacts(scenes.shipped(name).blocks).pairs)
+
+
+@pytest.mark.parametrize("depth", [0.02, 0.3])
+def test_blocks_that_share_volume_do_not_touch_along_an_edge(depth: float) -> None:
+    """A block that is drawn too deep into its ground has no joint with it; the refusal says why, and no warning says otherwise."""
+    sunk = pushed(GROUND, WALL, scenes.box("sunk", (0.5, 0.0, -depth), (1.5, 1.0, 1.0 - depth)))
+    assert not told(sunk) and not len(edge_contacts(sunk.blocks).pairs)
