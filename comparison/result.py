@@ -181,7 +181,7 @@ def run(
     --------
     >>> import comparison
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
-    <Verdict.EXPECTED_MET: 'expected value met'>
+    <Verdict.EXPECTED_MET: 'expected'>
     """
     limit, chosen = seconds_or_none("time_limit", time_limit), load(scene)
     refuse_name(chosen)

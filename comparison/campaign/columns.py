@@ -34,7 +34,7 @@ BEFORE_KEYS = {
 }
 AFTER_KEYS = {
     "state": Column("", "done or failed"),
-    "verdict": Column("", "agree, disagree, inconclusive, cannot stand, or expected value met (YADE was not run); empty without one"),
+    "verdict": Column("", "agree, disagree, inconclusive, cannot stand; where YADE was not run, expected or unexpected; empty without one"),
     "reason": Column("", "reason for any other verdict than agree, or for the failure"),
     "next_step": Column("", "what to do next; empty where both methods agree"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from comparison.campaign.table import CampaignTable
 from comparison.judge import FLOOR, LEAST_REACTION
 from comparison.numbers import format_number
-from comparison.verdict import verdict_title
+from comparison.verdict import VERDICTS, verdict_title
 from la_core import text_table
 from la_core.limit import Status
 from la_core.text_table import exists
@@ -112,7 +112,7 @@ def deviation(row: Row) -> float | None:
 
 def worst_first(rows: list[Row]) -> list[Row]:
     """Return rows by falling deviation; rows without one come last, by severity of the verdict; equal rows keep their order."""
-    severity = {"disagree": 0, "cannot stand": 1, "inconclusive": 1}
+    severity = {"disagree": 0, "unexpected": 0, "cannot stand": 1, "inconclusive": 1}
 
     def key(row: Row) -> tuple[bool, float, int]:
         apart = deviation(row)
@@ -128,7 +128,7 @@ def failed(row: Row) -> bool:
 
 def verdict_counts(rows: Iterable[Row]) -> str:
     """Return how many cases have each verdict, and how many failed, as words; "" without cases."""
-    counts = Counter(FAILED if failed(row) else row["verdict"] or "not compared" for row in rows)
+    counts = Counter(FAILED if failed(row) else VERDICTS[row["verdict"] or None][1] for row in rows)
     return ", ".join(f"{count} {word}" for word, count in counts.items())
 
 

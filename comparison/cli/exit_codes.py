@@ -16,8 +16,9 @@ AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE, CANNOT_STAND = range(6)
 INTERRUPTED = 130  # as shells define it: 128 + SIGINT
 EXIT_OF_VERDICT = {
     "agree": AGREE,
-    "expected value met": AGREE,
+    "expected": AGREE,
     "disagree": DISAGREE,
+    "unexpected": DISAGREE,
     "inconclusive": INCONCLUSIVE,
     "cannot stand": CANNOT_STAND,
     None: AGREE,
@@ -25,7 +26,7 @@ EXIT_OF_VERDICT = {
 SEVERITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, USAGE, TOOL)  # from mild to severe; the most severe of several scenes decides
 MEANINGS = {  # of every exit code, for the help and the page of the command line
     AGREE: "agree; without YADE (`--no-yade`): the expected value is met, or the scene states none",
-    DISAGREE: "disagree; of `compare`: something changed",
+    DISAGREE: "disagree; without YADE: the expected value is not met; of `compare`: something changed",
     USAGE: "usage or scene error",
     TOOL: "a tool is missing or failed",
     INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`, `failed`, or `unbounded` without a prediction",

@@ -15,7 +15,7 @@ from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import OVER_WEIGHT, number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
-COLOURS = {"agree": "green", "disagree": "red", "inconclusive": "yellow", "cannot stand": "red"}
+COLOURS = {"agree": "green", "disagree": "red", "unexpected": "red", "inconclusive": "yellow", "cannot stand": "red"}
 EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
 LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
 VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narrow table leaves out, the first to go first

@@ -41,7 +41,7 @@ EVIDENCE = {
     "mechanism_violation": "largest violation of the flow rule, over the fastest block's speed",
     "duality_gap": "reaction from forces less reaction from work, over the mean block weight",
 }
-PASSED = ("agree", "expected value met")  # verdicts of checks that leave nothing open
+PASSED = ("agree", "expected")  # verdicts of checks that leave nothing open
 COULOMB_EVIDENCE = {
     "equilibrium_residual": EVIDENCE["equilibrium_residual"],
     "cone_violation": EVIDENCE["cone_violation"],
@@ -139,7 +139,8 @@ def _sentence(comparison: dict[str, Any]) -> str:
         "agree": "The two methods agree.",
         "disagree": "The comparison fails.",
         "inconclusive": "No verdict can be given.",
-        "expected value met": "",
+        "expected": "",
+        "unexpected": "",
         "cannot stand": "The structure cannot stand.",
     }
     sentences = (openings.get(str(verdict), "Nothing was compared."), reason, " ".join(comparison.get("remarks") or []))

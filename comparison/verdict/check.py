@@ -22,6 +22,8 @@ class Verdict(enum.StrEnum):
         A number does not exist, or it is too uncertain for a verdict.
     EXPECTED_MET
         Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
+    UNEXPECTED
+        YADE was not run, and limit analysis does not meet the value that the scene expects. Never the verdict of a check.
     CANNOT_STAND
         The structure has no equilibrium under its weight and dead loads, and YADE does not contradict this.
     """
@@ -29,7 +31,8 @@ class Verdict(enum.StrEnum):
     AGREE = "agree"
     DISAGREE = "disagree"
     INCONCLUSIVE = "inconclusive"
-    EXPECTED_MET = "expected value met"
+    EXPECTED_MET = "expected"
+    UNEXPECTED = "unexpected"
     CANNOT_STAND = "cannot stand"
 
 

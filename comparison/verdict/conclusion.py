@@ -96,7 +96,8 @@ def conclusion(
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]
-        return Conclusion(verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
+        is_alone = yade is None and verdict is Verdict.DISAGREE  # with nobody but the scene
+        return Conclusion(Verdict.UNEXPECTED if is_alone else verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
     if yade is None:
         met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
         return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), "", remarks)

@@ -22,7 +22,8 @@ VERDICTS = {  # sign and words of a comparison's verdict
     "agree": ("✓", "agree"),
     "disagree": ("✗", "disagree"),
     "inconclusive": ("?", "inconclusive"),
-    "expected value met": ("○", "expected value met (YADE not run)"),
+    "expected": ("○", "expected value met (YADE not run)"),
+    "unexpected": ("⊗", "expected value not met (YADE not run)"),
     "cannot stand": ("↓", "cannot stand"),
     None: (DASH, "not compared"),
 }
@@ -35,7 +36,7 @@ def mark_of(verdict: str | None) -> str:
 
 def check_words(verdict: str | None) -> tuple[str, str]:
     """Return the sign and the words of a check's verdict; an expected value is met, whoever runs beside."""
-    return ("✓", "met") if verdict == "expected value met" else VERDICTS.get(verdict, VERDICTS[None])
+    return ("✓", "met") if verdict == "expected" else VERDICTS.get(verdict, VERDICTS[None])
 
 
 def verdict_title(units: Collection[str]) -> str:

@@ -149,7 +149,7 @@ def _off(model: Entry) -> float:
 
 def _conclusions(entries: dict[str, Entry]) -> str:
     verdicts = {name: entry["reduced"]["verdict"] for name, entry in entries.items()}
-    alone = {"expected value met": "meets its expected value without YADE"}
+    alone = {"expected": "meets its expected value without YADE"}
     others = [f"`{name}` {alone.get(verdict, f'is {verdict}')}" for name, verdict in verdicts.items() if verdict != "agree"]
     run = {name: entry["reduced"] for name, entry in entries.items() if entry["reduced"]["yade"] is not None}
     steady = {name: model for name, model in run.items() if verdicts[name] == "agree"}

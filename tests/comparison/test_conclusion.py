@@ -43,12 +43,24 @@ def summary_of(results: Results, yade: dict[str, Any] | None, checks: list[Check
 
 def test_one_method_alone_meets_the_expected_value_and_agrees_with_nobody(pads: LimitAnalysis, tmp_path: Path) -> None:
     summary = summary_of(Results(pads), None, list(check_expected(pads)))
-    assert summary["verdict"] == "expected value met" and "YADE was not run" in summary["reason"]
+    assert summary["verdict"] == "expected" and "YADE was not run" in summary["reason"]
     view = view_of_scene(tmp_path, 1, summary, NEWTON)
     assert (view["symbol"], view["word"]) == ("○", "expected value met (YADE not run)")
     words = [view["word"], view["sentence"], *(check["word"] for check in view["checks"]), *(str(value) for value in summary["checks"])]
     assert not [text for text in words if "agree" in text]
     assert {check["word"] for check in view["checks"]} == {"met"}
+
+
+def test_one_method_alone_that_misses_the_expected_value_disagrees_with_nobody(pads: LimitAnalysis, tmp_path: Path) -> None:
+    """The verdict is that of the scene's value alone; with YADE, which confirms or not, it is a disagreement."""
+    missed = [Check("expected reaction", Verdict.DISAGREE, reason="Another value was expected.", next_step="Look at its source.")]
+    summary = summary_of(Results(pads), None, missed)
+    assert (summary["verdict"], summary["reason"]) == ("unexpected", "Another value was expected.")
+    assert summary["next_step"] == "Look at its source." and EXIT_OF_VERDICT["unexpected"] == EXIT_OF_VERDICT["disagree"] == 1
+    view = view_of_scene(tmp_path, 1, summary, NEWTON)
+    assert (view["symbol"], view["word"]) == ("⊗", "expected value not met (YADE not run)")
+    assert view["sentence"].startswith("Another value was expected.")
+    assert conclusion(missed, {"status": "plateau"}).verdict is Verdict.DISAGREE
 
 
 def test_without_an_expected_value_nothing_was_compared(pads: LimitAnalysis) -> None:
