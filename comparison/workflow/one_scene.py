@@ -37,6 +37,7 @@ from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
+INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # a YADE that is missing has written no log
 AFTER_RELEASE = (
     'Rotations are finite ([effects] rotation = "finite"): both methods answer for a motion after which turning blocks have released '
     "the thrusts that friction locked in."
@@ -218,7 +219,8 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
         return check_run(results)
     if outcome.yade is not None:
         reason = str(outcome.yade["message"]).splitlines()[0]
-        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=REPAIR_YADE)]
+        step = INSTALL_YADE if outcome.yade["status"] == "missing" else REPAIR_YADE
+        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
     return list(check_answer(results.analysis))
 
 

@@ -62,6 +62,8 @@ def test_an_interpreter_that_is_not_there_is_named_with_its_setting_and_every_sc
     assert main(["run", "two_pads", "two_blocks", "-o", str(out), "-q"]) == TOOL
     assert answer(out)["yade"]["status"] == "missing"
     assert "CROSSCHECK_YADE_PYTHON = /nowhere/python3 is no program; unset it" in answer(out)["reason"]
+    assert "crosscheck doctor" in answer(out)["next_step"]
+    assert "yade.log" not in answer(out)["next_step"] and not (out / "two_pads" / "yade.log").exists()
     assert "two_blocks" in (out / "report.md").read_text(encoding="utf-8")
 
 
