@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from comparison.settings import load_settings
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file, has_given_stiffness
 from la_core.coulomb import STIFFER
@@ -101,16 +102,24 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
     return Results(analysis, read_run(path, analysis.assembly) if path.exists() else None)
 
 
+def among_results(name: str) -> str:
+    """Return a question after the results of this name in the folder of results; "" where there are none."""
+    folder = load_settings().settings.output / name
+    return f'did you mean "{folder}"?' if (folder / "case.h5").is_file() else ""
+
+
 def locate_results(source: str) -> list[Path]:
     """Return the folders of stored results: `source`, or all inside it; empty where `source` names a scene instead.
 
     Raises SceneError for a folder without results.
     """
     folder = Path(source)
+    is_scene = source in shipped.names() or Path(f"{source}.toml").is_file()  # a scene beside a folder of its name
     if not folder.is_dir():
+        if not is_scene and (hint := among_results(source)):
+            raise SceneError(source, "neither a folder of results, a file nor a shipped scene", hint=hint)
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))
-    is_scene = source in shipped.names() or Path(f"{source}.toml").is_file()  # a scene beside a folder of its name
     if not runs and not is_scene:
         raise SceneError(source, "holds no results of `crosscheck run`", hint="name a folder of results, or a scene")
     return runs

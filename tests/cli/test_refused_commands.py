@@ -113,3 +113,20 @@ def test_a_path_needs_friction_that_does_not_dilate(tmp_path: Path, capsys: pyte
     scene.write_text(text + "[path]\nincrements = 5\n")
     assert main(["solve", str(scene)]) == 2
     assert "[path]" in capsys.readouterr().err
+
+
+def test_the_name_of_stored_results_alone_is_answered_with_their_folder(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The scene may be gone, and its results lie in the folder of results: commands that read results say where."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CROSSCHECK_OUTPUT", "results")
+    shutil.copy(shipped.find("two_pads"), "mine.toml")
+    assert main(["run", "mine.toml", "--no-yade", "-q"]) == 0
+    Path("mine.toml").unlink()
+    for command in ("export", "animate", "report"):
+        capsys.readouterr()
+        assert main([command, "mine"]) == 2
+        assert f'did you mean "{Path("results", "mine")}"?' in capsys.readouterr().err
+    assert main(["export", "yours"]) == 2
+    assert "did you mean" not in capsys.readouterr().err

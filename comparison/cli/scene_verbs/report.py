@@ -10,6 +10,7 @@ from comparison.cli.study_verbs.campaign_report import is_campaign, report_campa
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
 from comparison.workflow import report_again
+from comparison.yade import among_results
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 
@@ -34,7 +35,8 @@ def execute(context: Context) -> int:
         for folder in folders:
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases:
-                raise SceneError(str(folder), "holds no results of `crosscheck run`", hint="`crosscheck run SCENE` makes some")
+                hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
+                raise SceneError(str(folder), "holds no results of `crosscheck run`", hint=hint)
             comparisons = []
             for case in cases:
                 try:
