@@ -12,7 +12,7 @@ from la_core.scene.schema.types import LARGEST_FILE
 _MESHES = (".obj", ".ply", ".stl")
 _PICTURES = (".ifc", ".pdf", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMATS, ".dwg"), "a drawing"),
-            **dict.fromkeys(_PICTURES, "a drawing or a picture")}  # fmt: skip
+            **dict.fromkeys(_PICTURES, "a drawing or a picture"), ".json": "a JSON file"}  # fmt: skip
 
 
 def read_text(path: Path) -> str:
@@ -41,6 +41,8 @@ def _refuse_other_kinds(path: Path) -> None:
         return
     if ending in (*_MESHES, *DRAWING_FORMATS):
         hint = f"`crosscheck new --from {path}` writes a scene for it"
+    elif ending == ".json":
+        hint = f"where it is an assembly of COMPAS, `crosscheck new --from {path}` writes a scene for it"
     elif ending == ".dwg":
         hint = f"save it as DXF; `crosscheck new --from {path.with_suffix('.dxf')}` then writes a scene for it"
     else:

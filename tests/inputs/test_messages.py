@@ -155,10 +155,11 @@ def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_
         ("plan.dxf", "a drawing", "plan.dxf"),
         ("plan.svg", "a drawing", "plan.svg"),
         ("plan.dwg", "a drawing", "plan.dxf"),
+        ("assembly.json", "a JSON file", "assembly.json"),
         ("a.png", "a drawing or a picture", None),
     ],
 )
-def test_a_mesh_or_a_drawing_in_place_of_a_scene_says_what_to_do(name: str, kind: str, source: str | None, tmp_path: Path) -> None:
+def test_another_file_in_place_of_a_scene_says_what_to_do(name: str, kind: str, source: str | None, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_bytes(b"v 0 0 0\n")
     told = message(path)
