@@ -84,8 +84,11 @@ CHANGED = {
         (SHAPE, "polyhedron = { vertices = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]] }"),
         'block "block": the polyhedron has no volume',
     ),
-    "two shapes": ((SHAPE, SHAPE + "\n" + prism("[[0, 0], [1, 0], [1, 1]]")), 'block "block": needs exactly one shape: box, prism or'),
-    "no shape": ((SHAPE, ""), 'block "block": needs exactly one shape: box, prism or polyhedron'),
+    "two shapes": (
+        (SHAPE, SHAPE + "\n" + prism("[[0, 0], [1, 0], [1, 1]]")),
+        'block "block": needs exactly one shape: box, prism or polyhedron; it has `box` and `prism`',
+    ),
+    "no shape": ((SHAPE, ""), 'block "block": needs exactly one shape: box, prism or polyhedron; it has none'),
     "overlap": (("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, -0.05], to = [1.0"), 'blocks "fixed pad" and "block": overlap by'),
     "floating": (
         ("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, 0.012], to = [1.0"),
@@ -143,8 +146,11 @@ CHANGED = {
         "scene: needs one table out of [settlement], [live] and [tilt]; it has [settlement] and [live]",
     ),
     "support under a live load": ((MOTION, LIVE), 'live: a [live] scene has no support; give its held blocks role = "fixed"'),
-    "axis without point": ((MOTION, "[settlement]\naxis = [0.0, 1.0, 0.0]"), "settlement: needs either `direction` (translation) or both"),
-    "motion given twice": ((MOTION, MOTION + "\naxis = [0, 1, 0]\npoint = [0, 0, 0]"), "settlement: needs either `direction`"),
+    "axis without point": ((MOTION, "[settlement]\naxis = [0.0, 1.0, 0.0]"), "both `axis` and `point` (rotation); it has `axis`"),
+    "motion given twice": (
+        (MOTION, MOTION + "\naxis = [0, 1, 0]\npoint = [0, 0, 0]"),
+        "(rotation); it has `direction` and `axis` and `point`",
+    ),
     "neither auto nor bool": ((MOTION, MOTION + '\n[effects]\nplane = "yes"'), "effects.plane = 'yes': must be 'auto', true or false"),
     "number for a bool": ((MOTION, MOTION + "\n[effects]\nplane = 1"), "effects.plane = 1: must be 'auto', true or false"),
     "misspelt friction model": (

@@ -35,6 +35,11 @@ LEVEL = 1e-9  # of a direction: round-off
 LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # neither finer than the strain of a joint nor coarser than a drawing
 
 
+def _given(table: Table, *keys: str) -> str:
+    """Words for those of the keys that a table has."""
+    return f"it has {' and '.join(f'`{key}`' for key in keys if getattr(table, key) is not None) or 'none'}"
+
+
 def _auto_or_bool(value: object) -> object:
     if not (isinstance(value, bool) or value == "auto"):
         raise ValueError("must be 'auto', true or false")
@@ -100,7 +105,8 @@ class Block(Table):
     @model_validator(mode="after")
     def _has_one_shape(self) -> Self:
         if sum(shape is not None for shape in (self.box, self.prism, self.polyhedron)) != 1:
-            raise ValueError("needs exactly one shape: box, prism or polyhedron")
+            given = _given(self, "box", "prism", "polyhedron")
+            raise ValueError(f"needs exactly one shape: box, prism or polyhedron; {given}")
         return self
 
 
@@ -150,7 +156,8 @@ class Settlement(Table):
     def _is_one_motion(self) -> Self:
         given = (self.direction is not None, self.axis is not None, self.point is not None)
         if given not in ((True, False, False), (False, True, True)):
-            raise ValueError("needs either `direction` (translation) or both `axis` and `point` (rotation)")
+            has = _given(self, "direction", "axis", "point")
+            raise ValueError(f"needs either `direction` (translation) or both `axis` and `point` (rotation); {has}")
         return self
 
 
