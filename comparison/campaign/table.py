@@ -24,6 +24,7 @@ from la_core import exchange
 from la_core.exchange import ExchangeError, write_whole
 
 STORED = "campaign.json"
+EARLIER = {"expected value met": "expected"}  # verdicts by the words of tables that an earlier program stored
 WORDS = ("title", "axes", "labels", "rows", "costs", "provenance")
 
 
@@ -82,7 +83,11 @@ def read_table(folder: Path) -> CampaignTable:
         raise ExchangeError(f"{path}: damaged or cut short; run `crosscheck campaign` again") from error
     if not isinstance(stored, dict) or stored.get("sum") != _sum_of(stored):
         raise ExchangeError(f"{path}: changed or damaged since it was written; run `crosscheck campaign` again")
-    return CampaignTable(folder=folder, **{word: stored[word] for word in WORDS})
+    table = CampaignTable(folder=folder, **{word: stored[word] for word in WORDS})
+    for row in table.rows:
+        if row.get("verdict") in EARLIER:
+            row["verdict"] = EARLIER[row["verdict"]]
+    return table
 
 
 def write_campaign(table: CampaignTable, parquet: bool = False) -> None:

@@ -16,6 +16,8 @@ from comparison.campaign import columns, table
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
 from comparison.campaign.mechanism_labels import mechanism_label
+from comparison.campaign.row_values import verdict_counts
+from comparison.cli.study_verbs.campaign import exit_code
 from comparison.studies.sensitivity import study
 from la_core.analysis.stage import analyse
 from la_core.exchange.checksummed_file import ExchangeError
@@ -149,6 +151,17 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
     stored.write_text(damage(stored.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(ExchangeError, match="run `crosscheck campaign` again"):
         table.read_table(out)
+
+
+def test_a_table_with_an_earlier_word_for_a_verdict_is_read_counted_and_judged(tmp_path: Path) -> None:
+    rows = [
+        dict.fromkeys(columns.result_columns([])) | {"case": word, "verdict": word, "state": "done"}
+        for word in ("expected value met", "agree")
+    ]
+    table.write_campaign(table.CampaignTable("title", {}, rows, [{"case": row["case"]} for row in rows], {}, tmp_path))
+    found = table.read_table(tmp_path)
+    assert [row["verdict"] for row in found.rows] == ["expected", "agree"]
+    assert verdict_counts(found.rows) == "1 expected value met (YADE not run), 1 agree" and exit_code(found) == 0
 
 
 @pytest.mark.parametrize("scene", ["wall_third", "arch_spreading"])
