@@ -77,6 +77,8 @@ def read_table(folder: Path) -> CampaignTable:
     path = folder / STORED
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise ExchangeError(f"{folder}: holds no results of `crosscheck campaign`; `crosscheck campaign FILE` makes some") from error
     except OSError as error:
         raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run `crosscheck campaign` again") from error
     except (ValueError, RecursionError) as error:

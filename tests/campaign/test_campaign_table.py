@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from campaigns import Inline, run, sweep
 
+import comparison
 from comparison.campaign import columns, table
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
@@ -151,6 +152,13 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
     stored.write_text(damage(stored.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(ExchangeError, match="run `crosscheck campaign` again"):
         table.read_table(out)
+
+
+def test_a_folder_without_a_campaign_is_told_with_the_command_that_makes_one(tmp_path: Path) -> None:
+    for folder in (tmp_path, tmp_path / "nowhere"):
+        with pytest.raises(ExchangeError, match="holds no results of `crosscheck campaign`; `crosscheck campaign FILE` makes some") as told:
+            comparison.read_campaign(folder)
+        assert str(told.value).startswith(f"{folder}: ")
 
 
 def test_a_table_with_an_earlier_word_for_a_verdict_is_read_counted_and_judged(tmp_path: Path) -> None:
