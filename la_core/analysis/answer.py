@@ -98,7 +98,7 @@ class Answer(Tabled):
 
     @property
     def plateaus(self) -> tuple[float, ...]:
-        """Values of all plateaus (N, N m, multiplier) where the structure has several; empty where it has one."""
+        """Values of all plateaus (N, N m, multiplier) where the structure has several, `coulomb` first; empty where it has one."""
         coulomb = self.analysis.printed.coulomb
         return () if coulomb is None else tuple(coulomb.plateaus.tolist())
 

@@ -213,7 +213,8 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     last, certificate = chosen.end.last, chosen.end.certificate
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, followed)
     met = np.array([*(path.plateau.value for path in followed), *chosen.on_the_way])
-    several = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist())]
+    own = next(k for k, path in enumerate(followed) if path is chosen)
+    others = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist()) if own not in group]
     twists, forces = mechanism_and_forces(joints, chosen.end)
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
     reached = last.progress >= least_travel(joints) and not still_smooth
@@ -238,7 +239,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
         iterations=0,
         steps=sum(len(path.progress) - 1 for path in followed),
         uncertainty=uncertainty * unit,
-        plateaus=np.array(several if len(several) > 1 else []) * unit,
+        plateaus=np.array([value, *others] if others else []) * unit,
         sliding_residual=certificate.sliding,
         travel=last.progress,
         viscosities=np.array([path.viscosity for path in followed]),

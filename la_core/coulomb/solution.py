@@ -30,7 +30,7 @@ class CoulombSolution:
         Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes. It reaches to the
         bound where the value is beyond; infinite where the blocks fell on the way.
     plateaus : (K,) array
-        Values of all plateaus where paths end on several or a curve leaves one; empty where there is one.
+        Values of all plateaus where paths end on several or a curve leaves one, that of the answer first; empty where there is one.
     interval : tuple of float
         Least and greatest value that the mechanism allows over all histories of friction.
     twists : (B, 6) array

@@ -143,7 +143,7 @@ _COULOMB = (
     ("iterations", "i8", (), "", "Newton iterations of all paths"),
     ("steps", "i8", (), "", "steps of all paths; 0 where no path was followed"),
     ("uncertainty", "f8", (), "N, N m or -", "stated uncertainty of the value"),
-    ("plateaus", "f8", ("K",), "N, N m or -", "values of all plateaus where there are several; else empty"),
+    ("plateaus", "f8", ("K",), "N, N m or -", "values of all plateaus where there are several, that of the answer first; else empty"),
     ("sliding_residual", "f8", (), "-", "dissipation less power of friction against slip, over the power put in"),
     ("travel", "f8", (), "-", "end of the path over the travel"),
     ("viscosities", "f8", ("V",), "-", "first viscosity of each path, over the weight at unit rate"),
