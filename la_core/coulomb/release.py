@@ -65,6 +65,8 @@ def released(
             return Released(iterations=iterations)
         on.append(path)
         iterations += path.iterations - start.iterations
+        if path.plateau.travel < least_travel(turning):  # its effort has ended, and that of a finer one would
+            return Released(iterations=iterations)
     chosen = on_one_plateau(on)[0]
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)
     is_certified = chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and chosen.end.last.progress >= least_travel(turning)

@@ -17,7 +17,7 @@ import la_core
 from la_core.analysis import analyse
 from la_core.analysis.answer import answer_rows
 from la_core.analysis.case_file import read_case, write_case
-from la_core.coulomb import CoulombSolution, PredictionSettings, change_by_release, prediction
+from la_core.coulomb import CoulombSolution, PredictionSettings, change_by_release, prediction, release, sharp_path
 from la_core.coulomb.path import quasi_static_path
 from la_core.coulomb.release import CHANGED
 from la_core.limit import Drive, Status, solve_associated
@@ -105,6 +105,23 @@ def test_a_path_that_cannot_go_on_leaves_the_value_unknown(monkeypatch: pytest.M
     analysis = analyse(RELEASES)
     assert analysis.coulomb is not None and analysis.coulomb.status is Status.SOLVED and math.isnan(analysis.coulomb.released)
     assert "turning blocks may release a thrust" in analysis.assembly.effects.reasons["rotation"]
+
+
+def test_no_path_follows_one_whose_effort_ends_before_its_travel(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The value after the release is then unknown: another path would take the same effort in vain."""
+    followed = []
+
+    def go_on(path, joints, settings, as_far_as, send):
+        short = (path.iterations + 2) * math.sqrt(len(joints.weights))
+        followed.append(sharp_path.go_on_turning(path, joints, replace(settings, effort=short), as_far_as, send))
+        return followed[-1]
+
+    monkeypatch.setattr(release, "go_on_turning", go_on)
+    assembly, stiffness = problem(RELEASES)
+    bound, settings = solve_associated(assembly, Drive.YIELDING), PredictionSettings(with_release=True)
+    coulomb = prediction.predict(assembly, stiffness, bound, settings=settings)
+    [cut] = followed
+    assert cut.exhausted and coulomb.status is Status.SOLVED and math.isnan(coulomb.released)
 
 
 # --- what a user reads ------------------------------------------------------------------------------------------------------------
