@@ -17,6 +17,7 @@ from la_core.coulomb import (
     interval_status,
     is_changed_by_release,
     look_for_sliding,
+    reference_size,
     relative_width,
 )
 from la_core.errors import SceneError
@@ -24,6 +25,8 @@ from la_core.limit import Solution, Status, solve_associated
 from la_core.model import Assembly, Effects
 from la_core.scene import Scene
 from la_core.text_table import number_text
+
+LEAST_CHANGE = 1e-4  # of the value: round-off, and less than any prediction is certain to, counts as this much
 
 
 @dataclass(frozen=True)
@@ -146,23 +149,35 @@ def with_rotation_explained(scene: Scene, assembly: Assembly, coulomb: CoulombSo
 
 
 def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolution) -> str:
-    """What turning blocks change, as far as a prediction with small rotations knows it."""
+    """What turning blocks change, as far as a prediction with small rotations knows it.
+
+    Changes are per cent of the value. Those of a value so small that it is judged by another size are in its own unit.
+    """
     unit = assembly.in_value_unit(assembly.weight)
     width = relative_width(coulomb.interval, coulomb.value, unit)
+    size, is_small = reference_size(coulomb.value / unit) * unit, abs(coulomb.value) < reference_size(0.0) * unit
+    wide = f"{number_text(width * size, 2)} {scene.unit}".rstrip() if is_small else f"{width:.2g} of the value"
     if width <= ONE_VALUE:
-        return f"turning blocks may change it by another mechanism alone, because the interval of this one is {width:.2g} of the value"
+        return f"turning blocks may change it by another mechanism alone, because the interval of this one is {wide}"
     if math.isnan(coulomb.released):
-        size = {"not stated": "unknown", "unlimited": "unlimited"}.get(interval_status(coulomb.interval), f"{width:.2g} of the value")
-        return f"turning blocks may release a thrust, because the mechanism's interval is {size}"
+        interval = {"not stated": "unknown", "unlimited": "unlimited"}.get(interval_status(coulomb.interval), wide)
+        return f"turning blocks may release a thrust, because the mechanism's interval is {interval}"
     change, doubt = change_by_release(coulomb, unit)
+    times, of = (size, f" {scene.unit}".rstrip()) if is_small else (100.0, " %")
     if abs(change) + doubt <= ONE_VALUE:
-        return f"turning blocks change it by at most {number_text(100.0 * (abs(change) + doubt), 2)} %"
+        return f"turning blocks change it by at most {number_text(times * max(abs(change) + doubt, LEAST_CHANGE), 2)}{of}"
     if not is_changed_by_release(coulomb, unit):
-        return f"it is uncertain whether turning blocks change it ({number_text(100.0 * change, 2)} ± {number_text(100.0 * doubt, 1)} %)"
+        return f"it is uncertain whether turning blocks change it ({_with_doubt(times * change, times * doubt)}{of})"
     value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
-    size = f"{number_text(100.0 * abs(change), 2)} ± {number_text(100.0 * doubt, 1)} % {'more' if change > 0.0 else 'less'}"
-    becomes = f"the {scene.quantity} becomes {value}, {size}"
+    by = f"{_with_doubt(times * abs(change), times * doubt)}{of} {'more' if change > 0.0 else 'less'}"
+    becomes = f"the {scene.quantity} becomes {value}, {by}"
     return f'turning blocks later release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
+
+
+def _with_doubt(change: float, doubt: float) -> str:
+    """A change and its doubt, above 0, as text: both to the place of the doubt's first digit, or to the whole number."""
+    places = max(-math.floor(math.log10(doubt)), 0)
+    return f"{round(change, places) + 0.0:.{places}f} ± {doubt:.{places}f}".replace("-", "−")  # + 0.0: no negative zero
 
 
 def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> Effects:

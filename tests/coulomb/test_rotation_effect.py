@@ -18,7 +18,7 @@ def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
     wide = analyse(RELEASES).assembly.effects
     assert wide.rotation == "small"
     assert (
-        'release a thrust, and the reaction becomes 1930 N, 18 ± 0.05 % less (rotation = "finite" has YADE check this)'
+        'release a thrust, and the reaction becomes 1930 N, 18.18 ± 0.05 % less (rotation = "finite" has YADE check this)'
         in wide.reasons["rotation"]
     )
     kept = analyse(scenes.shipped("wall_third")).assembly.effects
@@ -33,9 +33,13 @@ def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
     ("released", "doubt", "words"),
     [
         (2.6, 0.12, "160 ± 12 % more"),
-        (0.4, 0.004, "60 ± 0.4 % less"),
+        (0.4, 0.004, "60.0 ± 0.4 % less"),
         (0.97, 1.2, "it is uncertain whether turning blocks change it (−3 ± 120 %)"),
         (0.998, 0.001, "turning blocks change it by at most 0.3 %"),
+        (0.9931, 0.007, "it is uncertain whether turning blocks change it (−0.7 ± 0.7 %)"),
+        (1.0 - 1e-15, 0.11, "it is uncertain whether turning blocks change it (0 ± 11 %)"),
+        (1.0, 1e-27, "turning blocks change it by at most 0.01 %"),
+        (1.0592, 0.012, "6 ± 1 % more"),
     ],
 )
 def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: float, words: str) -> None:
@@ -44,6 +48,24 @@ def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: fl
     value = analysis.coulomb.value
     made_up = replace(analysis.coulomb, uncertainty=0.0, released=released * value, released_uncertainty=doubt * value)
     assert words in with_rotation_explained(RELEASES, analysis.assembly, made_up).reasons["rotation"]
+
+
+@pytest.mark.parametrize(
+    ("released", "doubt", "words"),
+    [
+        (6.0, 0.1, "becomes 6 N, 4.0 ± 0.1 N more"),
+        (2.1, 0.3, "it is uncertain whether turning blocks change it (0.1 ± 0.3 N)"),
+        (2.0, 0.05, "turning blocks change it by at most 0.05 N"),
+        (math.nan, math.nan, "because the mechanism's interval is 5 N"),
+    ],
+)
+def test_changes_of_a_value_that_is_hardly_anything_are_no_shares_of_it(released: float, doubt: float, words: str) -> None:
+    """A reaction of 2 N is judged by a thousandth of the weight, 24 N: 4 N more are 200 % of it, not 17 %."""
+    analysis = analyse(la_core.variant(RELEASES, SMALL))
+    assert analysis.coulomb is not None and 20.0 < 1e-3 * RELEASES.weight < 30.0
+    values = {"value": 2.0, "uncertainty": 0.0, "interval": (1.0, 6.0), "released": released, "released_uncertainty": doubt}
+    effects = with_rotation_explained(RELEASES, analysis.assembly, replace(analysis.coulomb, **values))
+    assert words in effects.reasons["rotation"]
 
 
 @pytest.mark.parametrize(("ends", "words"), [((0.0, math.inf), "is unlimited"), ((math.nan, math.nan), "is unknown")])
