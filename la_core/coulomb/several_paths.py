@@ -31,13 +31,14 @@ def disagree(followed: list[FollowedPath]) -> bool:
 def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
     """Return the paths of the plateau that most paths end on; first the answer, the finest one that ends in a limit state, if one does.
 
-    Paths with smooth joints count as one plateau: their smoothing, not the structure, keeps them apart.
+    Of plateaus with as many paths one with a limit state counts, and of these the one with the finest path. Paths with smooth joints count
+    as one plateau: their smoothing, not the structure, keeps them apart.
     """
     is_smooth = followed[-1].smooth_error > 0.0
+    certified = [path.end.certificate.worst <= ACCEPTED_RESIDUAL for path in followed]  # NaN is no limit state
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups([path.plateau.value for path in followed])
-    most = max(groups, key=lambda group: (len(group), max(group)))
-    alike = [followed[max(most)], *(followed[i] for i in most if i != max(most))]
-    return sorted(alike, key=lambda path: not path.end.certificate.worst <= ACCEPTED_RESIDUAL)  # NaN is no limit state
+    most = max(groups, key=lambda group: (len(group), any(certified[i] for i in group), max(group)))
+    return [followed[i] for i in sorted(most, key=lambda i: (not certified[i], i != max(most)))]
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:

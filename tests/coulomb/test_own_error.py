@@ -73,18 +73,37 @@ def test_end_of_the_path_is_certified(name) -> None:
     assert (np.diff(solution.path_settlement) > 0.0).all()
 
 
+def ended(value: float, worst: float) -> SimpleNamespace:
+    """What counts of a path that ends on a plateau, with its largest residual."""
+    certificate = SimpleNamespace(worst=worst)
+    return SimpleNamespace(smooth_error=0.0, plateau=SimpleNamespace(value=value), end=SimpleNamespace(certificate=certificate))
+
+
 @pytest.mark.parametrize(
     ("worst", "chosen"),
     [((1e-6, 1e-6), 1), ((1e-6, 1e-3), 0), ((1e-3, 1e-3), 1), ((math.nan, 1e-3), 1), ((1e-6, math.nan), 0)],
 )
 def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[float, float], chosen: int) -> None:
     """An undefined residual proves nothing."""
-    paths = [
-        SimpleNamespace(smooth_error=0.0, plateau=SimpleNamespace(value=0.3), end=SimpleNamespace(certificate=SimpleNamespace(worst=one)))
-        for one in worst
-    ]
+    paths = [ended(0.3, one) for one in worst]
     alike = on_one_plateau(paths)
     assert alike[0] is paths[chosen] and len(alike) == 2
+
+
+@pytest.mark.parametrize(
+    ("ends", "chosen"),
+    [
+        ([(0.3, 1e-6), (0.2, 1e-3)], [0]),
+        ([(0.3, 1e-6), (0.2, math.nan)], [0]),
+        ([(0.3, 1e-6), (0.2, 1e-6)], [1]),
+        ([(0.3, 1e-3), (0.2, 1e-3)], [1]),
+        ([(0.2, 1e-3), (0.3, 1e-6), (0.2, 1e-3)], [2, 0]),
+    ],
+)
+def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list[tuple[float, float]], chosen: list[int]) -> None:
+    """Where blocks turn, their order decides which path has which axes: it must not decide whether there is an answer."""
+    paths = [ended(*end) for end in ends]
+    assert on_one_plateau(paths) == [paths[i] for i in chosen]
 
 
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
