@@ -38,7 +38,7 @@ def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
     certified = [path.end.certificate.worst <= ACCEPTED_RESIDUAL for path in followed]  # NaN is no limit state
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups([path.plateau.value for path in followed])
     most = max(groups, key=lambda group: (len(group), any(certified[i] for i in group), max(group)))
-    return [followed[i] for i in sorted(most, key=lambda i: (not certified[i], i != max(most)))]
+    return [followed[i] for i in sorted(most, key=lambda i: (not certified[i], -i))]
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:

@@ -98,6 +98,7 @@ def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[f
         ([(0.3, 1e-6), (0.2, 1e-6)], [1]),
         ([(0.3, 1e-3), (0.2, 1e-3)], [1]),
         ([(0.2, 1e-3), (0.3, 1e-6), (0.2, 1e-3)], [2, 0]),
+        ([(0.2, 1e-6), (0.2, 1e-6), (0.2, 1e-3)], [1, 0, 2]),
     ],
 )
 def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list[tuple[float, float]], chosen: list[int]) -> None:
