@@ -22,6 +22,7 @@ from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, CANNOT_STAND, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
 from comparison.run_folder import WRITTEN
 from comparison.settings import Settings
+from comparison.verdict import Verdict
 from la_core import exchange
 from la_core.scene.schema.scene_file import SceneFile
 
@@ -41,6 +42,7 @@ def contract() -> dict[str, Any]:
             "agree": AGREE, "disagree": DISAGREE, "usage": USAGE, "tool": TOOL, "inconclusive": INCONCLUSIVE, "interrupted": INTERRUPTED,
             "cannot stand": CANNOT_STAND,
         },
+        "verdicts": [verdict.value for verdict in Verdict],
         "settings": sorted(Settings.model_fields),
         "scene keys": sorted(schema_keys(SceneFile.model_json_schema())),
         "campaign keys": sorted(schema_keys(CampaignFile.model_json_schema())),
