@@ -79,7 +79,7 @@ def values(summary: dict[str, Any]) -> dict[str, Any]:
     kept = {name: value / weight if exists(value) else None for name, value in numbers.items()}
     names = ("verdict", "reason", "next_step", "free_blocks", "unit")
     compared = [check["limit_analysis"] for check in summary["checks"] if check["name"].endswith("against prediction")]
-    if summary["verdict"] == "agree" and compared not in ([], [shared.get("reaction")]):
+    if summary["verdict"] == "agree" and exists(shared.get("reaction")) and compared not in ([], [shared["reaction"]]):
         kept["released"] = compared[0] / weight  # where YADE's plateau agrees with the value after a release
     seconds = (coulomb.get("seconds") or 0.0) + (yade.get("seconds") or 0.0)
     return kept | {name: summary[name] for name in names} | {"yade_status": yade.get("status"), "seconds": seconds}

@@ -31,7 +31,8 @@ def check_prediction(results: Results) -> Iterator[Check]:
     yield (reaction := _check_reaction(results, prediction, state))
     agrees = reaction.verdict is Verdict.AGREE
     if state is not None:
-        yield from _check_interval(results, prediction)
+        is_after_release = agrees and reaction.limit_analysis != prediction.value
+        yield from [] if is_after_release else _check_interval(results, prediction)  # it is that of the mechanism before the release
         yield _remark(state) if agrees else state
         yield check_steadiness(results)
     determined = not (prediction.slides or analysis.is_without_bound)
@@ -80,20 +81,21 @@ def _check_release(results: Results, prediction: Prediction, check: Check, befor
     if release is None:
         is_small = results.analysis.assembly.effects.rotation == "small"
         return replace(check, next_step=next_steps.TWO_LEVELS) if before and is_small else check
-    if not release.is_other:
+    is_unsure = bool(unsure_methods(results, release.stated))
+    if not (release.is_other or is_unsure):
         return check
     value = f"{with_uncertainty(release.value, release.stated)} {scene.unit}".rstrip()
     after = f"the value that limit analysis predicts after turning blocks have released a thrust, {value}"
     tolerance = reaction_tolerance(results, release.stated)
     if abs(reaction - release.value) > tolerance:
         return replace(check, reason=f"{check.reason} It also differs from {after}.")
-    is_unsure = bool(unsure_methods(results, release.stated))
     if before and not is_unsure:
         reason = f"{before} The plateau agrees with {after}."
         return Check(check.name, Verdict.AGREE, release.value, reaction, reaction - release.value, tolerance, scene.unit, reason)
     but = "but this is too uncertain to decide by" if is_unsure else "but its curve was not at the prediction before"
     reason = f"{check.reason} The plateau is within the tolerance of {after}, {but}."
-    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.AFTER_RELEASE)
+    step = next_steps.BOTH_FINER if is_unsure else next_steps.AFTER_RELEASE
+    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
 def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check:
