@@ -103,7 +103,7 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
 
 
 def among_results(name: str) -> str:
-    """Return a question after the results of this name in the folder of results; "" where there are none."""
+    """Return a hint with the path of the stored results of this name, as the end of a message; "" where none are stored."""
     folder = load_settings().settings.output / name
     return f'did you mean "{folder}"?' if (folder / "case.h5").is_file() else ""
 

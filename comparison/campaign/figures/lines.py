@@ -26,7 +26,6 @@ MOST_PANELS = 18  # over one parameter; a larger number is thinned out evenly
 HEIGHT = 3.1  # inches, of a row of panels
 TITLE_WIDTH = 55  # signs
 OUTSIDE = 1e9  # bounds of infinite bands, outside every frame
-WRONG = ("disagree", "unexpected")  # verdicts that a cross marks
 DODGE = 3.0  # pt between the intervals of two lines
 
 
@@ -124,7 +123,7 @@ def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]
             _draw_intervals(axes, place, low, high, k, count)
         _draw_methods(axes, scale, place, predicted, yade, k, count)
         axes.vlines(place, yade - uncertainty, yade + uncertainty, color=INK, linewidth=0.9, zorder=6)
-        wrong = [row.get("verdict") in WRONG for row in line.rows]
+        wrong = [row.get("verdict") == "disagree" for row in line.rows]
         axes.plot(np.array(place)[wrong], yade[wrong], "x", color=INK, markersize=10, markeredgewidth=1.3, zorder=7)
         drawn += [*predicted, *low, *high, *(yade - uncertainty), *(yade + uncertainty), *yade]
     shared_axes.span(axes, drawn)
@@ -205,7 +204,7 @@ def _method_handles(shown: list[Line], bands: bool, reactions: bool) -> list[Any
         handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.22, label="bounds (associated)"))
         if any(_switches(line.rows) for line in shown):
             handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=":", label="limit analysis' mechanism changes"))
-    if any(row.get("verdict") in WRONG for row in rows):
+    if any(row.get("verdict") == "disagree" for row in rows):
         handles.append(Line2D([], [], color=INK, linestyle="none", marker="x", markersize=9, label="disagree"))
     return handles
 

@@ -31,8 +31,8 @@ def check_prediction(results: Results) -> Iterator[Check]:
     yield (reaction := _check_reaction(results, prediction, state))
     agrees = reaction.verdict is Verdict.AGREE
     if state is not None:
-        is_after_release = agrees and reaction.limit_analysis != prediction.value
-        yield from [] if is_after_release else _check_interval(results, prediction)  # it is that of the mechanism before the release
+        if not agrees or reaction.limit_analysis == prediction.value:  # the interval is that of the mechanism before a release
+            yield from _check_interval(results, prediction)
         yield _remark(state) if agrees else state
         yield check_steadiness(results)
     determined = not (prediction.slides or analysis.is_without_bound)
@@ -71,8 +71,8 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
 def _check_release(results: Results, prediction: Prediction, check: Check, before: str) -> Check:
     """Return the check where YADE's plateau may be the one after turning blocks have released a thrust.
 
-    Limit analysis says before YADE runs what this plateau is. Both levels must be YADE's: its curve was at the prediction before, and its
-    plateau is at the released value.
+    Limit analysis predicts this plateau before YADE runs. The check agrees only where YADE's curve was at the prediction first, and its
+    plateau is at the value after the release.
 
     check: says that the plateau differs from the prediction. before: where the curve was at the prediction, "" if it was not.
     """
