@@ -23,7 +23,7 @@ class Verdict(enum.StrEnum):
     EXPECTED_MET
         Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
     UNEXPECTED
-        YADE was not run, and limit analysis does not meet the value that the scene expects. Never the verdict of a check.
+        Limit analysis does not meet the value that the scene expects. As the verdict of a comparison: YADE was not run.
     CANNOT_STAND
         The structure has no equilibrium under its weight and dead loads, and YADE does not contradict this.
     """
@@ -34,6 +34,9 @@ class Verdict(enum.StrEnum):
     EXPECTED_MET = "expected"
     UNEXPECTED = "unexpected"
     CANNOT_STAND = "cannot stand"
+
+
+SEVERE = ((Verdict.DISAGREE, Verdict.UNEXPECTED), (Verdict.INCONCLUSIVE,))  # verdicts of equal weight, the most severe ones first
 
 
 @dataclass(frozen=True)
@@ -81,12 +84,14 @@ class Check:
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
     """Return the most severe verdict of all checks and the reasons for it, "" for agree; without checks the verdict is None.
 
-    What several checks say in the same words is said once.
+    An expected value that is not met weighs as much as a disagreement: the reasons then are those of both. What several checks say in
+    the same words is said once.
     """
-    for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
-        reasons = [check.reason for check in checks if check.verdict is verdict]
-        if reasons:
-            return verdict, " ".join(said_once(reasons))
+    for alike in SEVERE:
+        found = [check for check in checks if check.verdict in alike]
+        if found:
+            verdict = next(verdict for verdict in alike if any(check.verdict is verdict for check in found))
+            return verdict, " ".join(said_once(check.reason for check in found))
     return (Verdict.AGREE, "") if checks else (None, "")
 
 

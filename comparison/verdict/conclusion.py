@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from comparison.numbers import plural, said_once, sentences
-from comparison.verdict.check import Check, Verdict, overall
+from comparison.verdict.check import SEVERE, Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
@@ -30,7 +30,7 @@ BEARS_NOTHING = (
     "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
 )
-DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.INCONCLUSIVE: FINER}
+DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.UNEXPECTED: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
 @dataclass(frozen=True)
@@ -87,17 +87,20 @@ def conclusion(
         Next step of an inconclusive verdict, in place of the checks' own; "" where theirs help.
     """
     verdict, reason = overall(checks)
+    has_run = yade is not None and yade.get("status") != "missing"
+    if verdict is Verdict.UNEXPECTED and has_run:
+        verdict = Verdict.DISAGREE  # YADE's agreement does not make up for a value that the scene expects and limit analysis misses
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
-    if falling is not None and verdict is not Verdict.DISAGREE:
+    if falling is not None and verdict not in SEVERE[0]:
         what = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
         return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded, cause), what, remarks)
     if step and verdict is Verdict.INCONCLUSIVE:
         return Conclusion(verdict, reason, step, remarks)
     if verdict in DEFAULT_STEPS:
-        steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
+        alike = next(alike for alike in SEVERE if verdict in alike)
+        steps = [check.next_step for check in checks if check.verdict in alike and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]
-        is_alone = yade is None and verdict is Verdict.DISAGREE  # with nobody but the scene
-        return Conclusion(Verdict.UNEXPECTED if is_alone else verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
+        return Conclusion(verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
     if yade is None:
         met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
         return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), "", remarks)

@@ -35,8 +35,8 @@ def mark_of(verdict: str | None) -> str:
 
 
 def check_words(verdict: str | None) -> tuple[str, str]:
-    """Return the sign and the words of a check's verdict; an expected value is met, whoever runs beside."""
-    return ("✓", "met") if verdict == "expected" else VERDICTS.get(verdict, VERDICTS[None])
+    """Return the sign and the words of a check's verdict; an expected value is met or not, whoever runs beside."""
+    return {"expected": ("✓", "met"), "unexpected": ("✗", "not met")}.get(str(verdict)) or VERDICTS.get(verdict, VERDICTS[None])
 
 
 def verdict_title(units: Collection[str]) -> str:

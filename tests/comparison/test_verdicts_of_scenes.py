@@ -71,7 +71,7 @@ def test_the_scene_s_own_expectation_is_checked_for_sharp_edges() -> None:
     assert {check.verdict for check in check_expected(analysis)} == {Verdict.EXPECTED_MET}
     assert scene.expected is not None
     wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
-    assert Verdict.DISAGREE in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}
+    assert Verdict.UNEXPECTED in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}
 
 
 def test_the_most_severe_check_decides_and_gives_the_reason() -> None:

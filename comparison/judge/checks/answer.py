@@ -13,6 +13,8 @@ from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Status
 
+OF_ONE_METHOD = {Verdict.AGREE: Verdict.EXPECTED_MET, Verdict.DISAGREE: Verdict.UNEXPECTED}  # nobody agrees or disagrees with it
+
 
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
     """Yield a check of limit analysis for sharp edges against each value of the scene's table [expected].
@@ -49,9 +51,8 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             if not solved:
                 unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
                 check = replace(check, reason=unknown)
-            if check.verdict is Verdict.AGREE:
-                check = replace(check, verdict=Verdict.EXPECTED_MET)  # by one method: nobody agrees with it
-            yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
+            verdict = OF_ONE_METHOD.get(check.verdict, check.verdict)
+            yield replace(check, verdict=verdict, yade=None)  # the number compared is the scene's own, and the report names it as such
 
 
 def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
