@@ -36,6 +36,9 @@ LOCKED_IN = 0.25
 # Times the weight, or the value where this is larger: with a larger uncertainty there is no answer. Blocks that fall on one path leave
 # a million weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
 UNKNOWN = 100.0
+# Factor by which the limits of a step are divided on one more path, where the value after a release is uncertain. Such a structure has
+# states on the way to that value, and one path may end in another than the next: finer steps show it where a less viscous path does not.
+FINER_STEPS = 3.0
 
 
 def predict(
@@ -135,6 +138,10 @@ def _followed_from_rest(
     has_one_value = relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
     if settings.with_release and not has_one_value:
         after = released(joints, stiffness, followed, settings, progress)
+        if after.is_doubtful and not disagree(followed) and not followed[-1].exhausted:
+            more = _finer_path(joints, tangent, rest, followed, settings, progress)
+            iterations += sum(path.iterations for path in more)
+            solution = _answer(joints, stiffness, [*followed, *more])
         solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state)
         iterations += after.iterations
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
@@ -179,6 +186,21 @@ def _paths(
         if one.plateau.travel < least_travel(joints):
             break
     return followed
+
+
+def _finer_path(
+    joints: ElasticJoints,
+    tangent: Tangent,
+    rest: State,
+    followed: list[FollowedPath],
+    settings: PredictionSettings,
+    progress: SharedProgress,
+) -> list[FollowedPath]:
+    """Return one more path, in finer steps and with less viscosity; none where its effort ends before its plateau is known."""
+    finer = replace(settings, finer=FINER_STEPS * settings.finer)
+    viscosity, least = settings.viscosities_in_turn[-1], max(path.plateau.travel for path in followed)
+    one = follow(joints, tangent, rest, viscosity, finer, least, *progress.senders_of_more([viscosity]))
+    return [] if one is None or one.exhausted else [one]
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:

@@ -13,7 +13,7 @@ from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, Shar
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.turning import STIFFER
-from la_core.coulomb.plateau import reference_size
+from la_core.coulomb.plateau import EARLY, reference_size
 from la_core.coulomb.several_paths import BROAD, joints_of_path, on_one_plateau, stated_uncertainty
 from la_core.coulomb.sharp_path import go_on_turning
 from la_core.coulomb.solution import CoulombSolution
@@ -27,13 +27,15 @@ NAN = float("nan")
 class Released:
     """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it.
 
-    state: its mechanism and contact forces, see `CoulombSolution.released_state`.
+    state: its mechanism and contact forces, see `CoulombSolution.released_state`. is_doubtful: whether the paths were followed, but
+    leave the value unknown, or uncertain by more than 1 %.
     """
 
     value: float = NAN
     uncertainty: float = NAN
     iterations: int = 0
     state: tuple[np.ndarray, np.ndarray] | None = None
+    is_doubtful: bool = False
 
 
 def released(
@@ -62,18 +64,19 @@ def released(
     for number, (start, send) in enumerate(zip(starts, senders, strict=True), start=1):
         least = max((path.plateau.travel for path in on), default=0.0)
         if (path := go_on_turning(start, joints_of_path(turning, number, settings), settings, least, send)) is None:
-            return Released(iterations=iterations)
+            return Released(iterations=iterations, is_doubtful=True)
         on.append(path)
         iterations += path.iterations - start.iterations
         if path.plateau.travel < least_travel(turning):  # its effort has ended, and that of a finer one would
-            return Released(iterations=iterations)
+            return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)
     is_certified = chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and chosen.end.last.progress >= least_travel(turning)
     if not (is_certified and uncertainty <= BROAD * reference_size(value)):
-        return Released(iterations=iterations)
+        return Released(iterations=iterations, is_doubtful=True)
     unit = joints.value_in_units(1.0)
-    return Released(value * unit, uncertainty * unit, iterations, mechanism_and_forces(turning, chosen.end))
+    is_doubtful = uncertainty > EARLY * reference_size(value)
+    return Released(value * unit, uncertainty * unit, iterations, mechanism_and_forces(turning, chosen.end), is_doubtful)
 
 
 def change_by_release(coulomb: CoulombSolution, unit: float) -> tuple[float, float]:
