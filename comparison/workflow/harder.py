@@ -14,7 +14,7 @@ from comparison.numbers import plural
 from comparison.settings import HARDER_SECONDS
 from comparison.verdict import Verdict
 from comparison.workflow.one_scene import run_scene
-from la_core.exchange import TRAVEL_PERIODS
+from la_core.exchange import EARLIER_ATTEMPT, TRAVEL_PERIODS
 from la_core.scene import Scene, same_structure
 
 SUFFIX = "_harder"  # of the name of the second attempt, and of its folder
@@ -22,7 +22,9 @@ STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in 
 SLOWER = 2.0  # times the duration of YADE's travel
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # that a scene may set itself
 DAMPED = 1.0  # damping ratio at the contacts: a light damping can jump over a state where the joints would have held
-DEARER = 8.0  # times the seconds of YADE's first run: 55 s for 8 s on a leaning wall
+# Times the seconds of one attempt of YADE's first run, which may have made up to five before it knew how stiff and how damped to be. Of 14
+# scenes a second run took 1.4 to 19 times as long, 10 in the median. One that takes longer than it may is stopped.
+DEARER = 10.0
 DEARER_PATHS = 8.0  # times the seconds of the first prediction
 OPEN = (Verdict.DISAGREE, Verdict.UNEXPECTED, Verdict.INCONCLUSIVE)  # verdicts that call for a second attempt
 
@@ -52,7 +54,7 @@ def try_harder(
     yade = first["yade"] or {}
     if first["verdict"] not in OPEN or yade.get("status") == "missing" or scene.effort == "high":
         return None
-    expected = DEARER * (yade.get("seconds") or 0.0) * with_yade + DEARER_PATHS * _prediction_seconds(first)
+    expected = DEARER * _seconds_of_attempt(yade) * with_yade + DEARER_PATHS * _prediction_seconds(first)
     if expected > seconds:
         minutes = math.ceil(expected / 60.0)
         words = f"not tried harder: this would take about {plural(minutes, 'minute')}; --try-harder-limit {60 * minutes} (s) allows it"
@@ -75,6 +77,11 @@ def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
     if "speed" in scene.yade:
         return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
     return settings | {"yade.travel_periods": SLOWER * float(scene.yade.get("travel_periods", TRAVEL_PERIODS))}
+
+
+def _seconds_of_attempt(yade: Mapping[str, Any]) -> float:
+    """Return the mean seconds of an attempt of YADE's run; 0 where it made none."""
+    return float(yade.get("seconds") or 0.0) / (1 + str(yade.get("message")).count(EARLIER_ATTEMPT))
 
 
 def _prediction_seconds(first: Mapping[str, Any]) -> float:

@@ -16,6 +16,7 @@ from comparison.workflow import harder
 from la_core.analysis.accuracy import ATTEMPTS, finer_paths
 from la_core.analysis.stage import analyse
 from la_core.coulomb import PredictionSettings
+from la_core.exchange import EARLIER_ATTEMPT
 
 
 def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
@@ -102,16 +103,23 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
 
 @pytest.mark.parametrize(
     ("of_yade", "of_prediction", "with_yade", "is_made"),
-    [(24.0, 0.9, True, True), (26.0, 0.9, True, False), (24.0, 1.1, True, False), (1e3, 24.0, False, True), (0.0, 26.0, False, False)],
+    [(19.0, 0.9, True, True), (21.0, 0.9, True, False), (19.0, 1.6, True, False), (1e3, 24.0, False, True), (0.0, 26.0, False, False)],
 )
 def test_its_time_is_that_of_both_methods_and_of_yade_only_where_it_runs(
     of_yade: float, of_prediction: float, with_yade: bool, is_made: bool, runs: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:
-    """Eight times the seconds of the first attempt, of 200 s."""
+    """Ten times the seconds of YADE's first attempt and eight times those of the prediction, of 200 s."""
     content = first("inconclusive", seconds=of_yade)
     content["limit_analysis"]["coulomb"]["seconds"] = of_prediction
     harder.try_harder(content, la_core.load("wall_third"), tmp_path, Told(), with_yade, 200.0)
     assert bool(runs) is is_made
+
+
+def test_what_yade_tried_in_vain_does_not_count_for_its_time(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    content, scene = first("inconclusive", seconds=80.0), la_core.load("wall_third")
+    assert harder.try_harder(content, scene, tmp_path, Told(), True, 300.0) is None
+    content["yade"]["message"] = f"steady{EARLIER_ATTEMPT}faster: blocks rattle{EARLIER_ATTEMPT}damped: blocks rattle"
+    assert harder.try_harder(content, scene, tmp_path, Told(), True, 300.0) is not None
 
 
 def test_stiffnesses_of_the_scene_become_stiffer_each() -> None:
