@@ -8,6 +8,7 @@ import pytest
 import scenes
 from locking_scenes import slot
 
+import la_core
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
 from comparison.verdict.check import Verdict
@@ -111,8 +112,9 @@ def overhang() -> Scene:
 
 
 def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
-    """Two paths of this corner lie 1 % apart."""
-    analysis = analyse(with_accuracy(scenes.shipped("corner_settling_end"), 0.002))
+    """Two paths of this corner lie 1 % apart. With finite rotations, which are left out here, a third path would come to their aid."""
+    corner = la_core.variant(scenes.shipped("corner_settling_end"), {"effects.rotation": "small"})
+    analysis = analyse(with_accuracy(corner, 0.002))
     assert analysis.accuracy is not None
     *others, answer = analysis.accuracy.limit_analysis
     assert others and all(not other.error < answer.error for other in others)
