@@ -175,10 +175,11 @@ def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
         sharp = prediction.get(f"{quantity}_sharp")
         return sharp if exists(sharp) else prediction.get(quantity)
 
+    unit = ", m" if comparison.get("unit") == "N m" else ""  # a turning support's reaction is a moment
     answers = {
-        "reaction_over_weight": ("R / W", over(sharpest("reaction"))),
-        "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
-        "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
+        "reaction_over_weight": (f"R / W{unit}", over(sharpest("reaction"))),
+        "associated_reaction_over_weight": (f"R_min / W{unit}, associated", over(associated.get("reaction_sharp"))),
+        "reaction_max_over_weight": (f"R_max / W{unit}, associated", over(associated.get("reaction_max_sharp"))),
         "multiplier": ("multiplier", sharpest("multiplier")),
         "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
     }

@@ -6,6 +6,8 @@ from typing import Any
 import pytest
 from made_up_comparisons import comparison_of, frictional_comparison, page_and_markdown, values_part
 
+import la_core
+from comparison.judge.checks.answer import check_expected
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units, format_number
 from comparison.report import report, values
@@ -183,6 +185,17 @@ def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> N
     rows = {row["name"]: row for row in values.expected_rows(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
+
+
+def test_an_expected_moment_over_the_weight_is_a_length() -> None:
+    turn = {"settlement.direction": None, "settlement.axis": [0.0, 1.0, 0.0], "settlement.point": [0.4, 0.0, 0.0]}
+    expected = {"expected": {"reaction_over_weight": 0.1, "kind": "exact", "tolerance": 1e-6}}
+    analysis = analyse(la_core.variant("two_pads", turn | expected))
+    (row,) = values.expected_rows(limit_analysis_summary(analysis))
+    assert row["name"] == "R / W, m"
+    assert row["found"] == pytest.approx(0.1, abs=1e-6)  # W / 6 acts 0.6 m from the axis
+    (check,) = check_expected(analysis)
+    assert check.unit == "m, over W"
 
 
 def test_a_row_writes_all_numbers_alike() -> None:
