@@ -14,6 +14,7 @@ BOUND = "associated"  # the answer that is a bound where no Coulomb prediction i
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
 UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
 PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
+ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
 
 
@@ -81,20 +82,30 @@ def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
     predicted = predicted_value(comparison)
     direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
+    weight, size = _pushed_weight(comparison, facts)
     if facts.get("tilt"):
         yield angle_words(comparison)
     elif exists(predicted):
         most, bound = ("no more than ", f": {UPPER}") if _is_bound(comparison, "multiplier") else ("", "")
         yield (
-            f"Pushed{direction} by a share of every block's weight, the structure fails at {most}{format_number(predicted, 4)} times its "
-            f"weight, W = {units.text(comparison.get('weight'), 'N', 4)}{bound}."
+            f"Pushed{direction} by a share of every block's weight, the structure fails at {most}{format_number(predicted, 4)} times "
+            f"{weight}, {'W = ' if weight == ALL_PUSHED else ''}{units.text(size, 'N', 4)}{bound}."
         )
     if exists(predicted):
         yield f"Then {_moving_words(comparison, facts)}."
     yade = comparison.get("yade") or {}
     reaction = yade.get("reaction")
     if not (facts.get("tilt") and "YADE" in angle_words(comparison)):  # which gives the angles of both methods
-        yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
+        yield from _of_yade(comparison, f"{format_number(reaction, 4)} times {weight}" if exists(reaction) else "")
+
+
+def _pushed_weight(comparison: dict[str, Any], facts: dict[str, Any]) -> tuple[str, float | None]:
+    """Return words for the weight that a live load pushes, and its size, N: W without the dead loads by force, which are not pushed."""
+    weight = comparison.get("weight")
+    down = np.array(facts.get("gravity") or (0.0, 0.0, -1.0))
+    forces = [load["force"] for load in facts.get("loads") or () if not exists(load["mass"])]
+    idle = sum(max(0.0, float(np.dot(force, down / np.linalg.norm(down)))) for force in forces)
+    return ("the pushed weight", weight - idle) if exists(weight) and idle > 0.0 else (ALL_PUSHED, weight)
 
 
 def angle_words(comparison: dict[str, Any]) -> str:
@@ -137,15 +148,15 @@ def _is_bound(comparison: dict[str, Any], quantity: str) -> bool:
 
 
 def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
-    """Return how many blocks move, and their share of the weight, as the rest of a sentence."""
+    """Return how many blocks move, and their share of the mass of all blocks, as the rest of a sentence."""
     count, total = (facts.get("moving_blocks") or {}).get("limit_analysis"), (facts.get("blocks") or {}).get("free")
     measures = comparison.get("mechanism_measures") or {}
     share = ((measures.get("coulomb") or measures.get("associated")) or {}).get("moving_mass_share")
     if not count:
         return "no block moves"
-    weight = f" ({format_number(100.0 * share, 2)} % of the weight)" if exists(share) else ""
+    mass = f" ({format_number(100.0 * share, 2)} % of their mass)" if exists(share) else ""
     which = "the only block" if count == total == 1 else f"{count} of the {total} blocks"
-    return f"{which}{weight} move{'s' if count == 1 else ''}"
+    return f"{which}{mass} move{'s' if count == 1 else ''}"
 
 
 def _support_words(facts: dict[str, Any]) -> str:

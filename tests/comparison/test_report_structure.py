@@ -67,7 +67,7 @@ def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() ->
     summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
     told = " ".join(plain_words(summary, Units(summary["weight"])))
     for words in (
-        "settles, 1 of the 2 blocks (50 % of the weight) moves.",
+        "settles, 1 of the 2 blocks (50 % of their mass) moves.",
         "The support then still carries",
         "50",
         "YADE was not run",
@@ -169,6 +169,26 @@ def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: s
     told = " ".join(plain_words(comparison, Units(50.0)))
     assert (bound in told) != known and (value in told) == known, told
     assert predicted_value(comparison) == answer[quantity]
+
+
+def test_the_conclusion_names_the_weight_that_is_pushed() -> None:
+    """A block of 1000 N and a mass on it are pushed; a load by force counts in W and is not pushed."""
+    loads = [{"name": "mass", "force": [0.0, 0.0, -100.0], "mass": 100.0 / 9.81, "blocks": 1}]
+    answer = {"associated": {"status": "solved", "multiplier": 0.5}, "coulomb": {"status": "solved", "multiplier": 0.5}}
+    yade = {"reaction": 0.5, "status": "plateau"}
+
+    def told(more: list[dict[str, Any]], weight: float) -> str:
+        structure = FACTS | {"loads": loads + more}
+        comparison = {"limit_analysis": answer, "structure": structure, "weight": weight, "unit": "", "yade": yade}
+        return " ".join(plain_words(comparison, Units(50.0)))
+
+    assert "fails at 0.5000 times its weight, W = 1100 N." in (alone := told([], 1100.0))
+    assert "YADE gives 0.5000 times its weight." in alone
+    pressed = told([{"name": "cable", "force": [30.0, 0.0, -400.0], "mass": None, "blocks": 1}], 1500.0)
+    assert "fails at 0.5000 times the pushed weight, 1100 N." in pressed
+    assert "YADE gives 0.5000 times the pushed weight." in pressed
+    lifted = told([{"name": "balloon", "force": [0.0, 0.0, 400.0], "mass": None, "blocks": 1}], 1100.0)
+    assert "times its weight, W = 1100 N." in lifted  # what lifts is no part of W
 
 
 def test_the_place_of_a_support_has_no_round_off() -> None:
