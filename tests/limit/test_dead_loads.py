@@ -92,6 +92,26 @@ def test_a_fill_over_an_arch_acts_on_its_outer_face_alone(blocks: list[str]) -> 
     assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
 
 
+@pytest.mark.parametrize("voussoirs", [15, 16, 40, 200])
+def test_a_fill_over_an_arch_acts_on_its_steepest_flanks_too(voussoirs: int) -> None:
+    """The outer face of the lowest voussoir faces up by sin(90° / voussoirs) alone; its joint with the next one faces up fully."""
+    scene = scenes.build(scenes.arch(voussoirs, 0.2, depth=3.0), load(blocks=["arch *"], mass=100.0, per="m2"))
+    span = np.diff(-1.1 * np.cos(np.pi * np.arange(voussoirs + 1) / voussoirs))
+    assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
+    assert np.hypot(scene.loads.point[:, 0], scene.loads.point[:, 2]) == pytest.approx(1.1 * np.cos(0.5 * np.pi / voussoirs))
+
+
+def test_a_floor_on_a_course_with_a_leaning_face_acts_on_its_bed_joint() -> None:
+    """The next course is not loaded, so the floor lies on the joint, as that of an upright wall, and not on the leaning face."""
+    courses = [((0.0, 0.0), (1.0, 0.0), (0.98, 0.4), (0.0, 0.4)), ((0.0, 0.4), (0.98, 0.4), (0.96, 0.8), (0.0, 0.8))]
+    stones = [scenes.block(f"course {k}", prism=(profile, (0.0, 1.0))) for k, profile in enumerate(courses)]
+    ground = scenes.box("ground", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "fixed")
+    given = {"live": (1.0, 0.0, 0.0), "settlement": None}
+    floor = scenes.build(ground, *stones, load(blocks=["course 0"], mass=10.0, per="m2"), **given)
+    assert floor.loads.mass == pytest.approx([9.8])
+    assert floor.loads.point[:, 2] == pytest.approx(0.4)
+
+
 @pytest.mark.parametrize("east", [0.0, 1000.0])
 def test_a_joint_carries_nothing_however_far_the_structure_is_from_the_origin(east: float) -> None:
     """Its faces differ by a tenth of a millimetre, as typed coordinates do."""

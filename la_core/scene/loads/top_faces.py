@@ -8,6 +8,7 @@ import shapely
 from la_core.geometry import Blocks, face_corners, face_polygons, near_pairs, opposite_faces, overlap_of, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
+STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 800
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
@@ -47,7 +48,9 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     line : two points (x, y), or None
         Line of the load in plan, m; None for the whole area.
     """
-    face = _without_joints(blocks, np.flatnonzero(chosen[blocks.face_block] & (blocks.face_normal[:, 2] > UPWARD)))
+    rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
+    face = _without_joints(blocks, np.flatnonzero(rise > UPWARD))
+    face = _with_flanks(blocks, face, np.flatnonzero((rise > STEEPEST) & (rise <= UPWARD)), chosen)
     plan = _uncovered(blocks, face, _in_plan(blocks, face))
     if line is None:
         parts, share = plan, shapely.area(plan)
@@ -80,16 +83,34 @@ def _without_joints(blocks: Blocks, face: np.ndarray) -> np.ndarray:
     return face[is_open | ~has_open[owner]]
 
 
-def _covered(blocks: Blocks, face: np.ndarray) -> np.ndarray:
-    """Share (N,) of each of some faces (N,) that faces of other blocks cover."""
+def _with_flanks(blocks: Blocks, face: np.ndarray, steep: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """The top faces (N,), with the open ones of the steep faces (M,) in place of joints between two loaded blocks.
+
+    The lowest voussoir of an arch has a joint with the next one, and an outer face that is too steep for a top face. Where both
+    voussoirs carry the fill, it lies on their outer faces.
+    """
+    if not len(steep):
+        return face
+    is_joint = _covered(blocks, face, chosen) >= COVERED
+    is_whole = ~blocks.is_compound[blocks.face_block[steep]]  # a steep face of a compound block may lie inside of it
+    flanks = steep[is_whole & (_covered(blocks, steep) < COVERED)]
+    carries, has_flank = (np.zeros(len(blocks), dtype=bool) for _ in range(2))
+    carries[blocks.face_block[face[~is_joint]]] = True
+    has_flank[blocks.face_block[flanks]] = True
+    is_replaced = has_flank & ~carries
+    return np.sort(np.concatenate([face[~is_replaced[blocks.face_block[face]]], flanks[is_replaced[blocks.face_block[flanks]]]]))
+
+
+def _covered(blocks: Blocks, face: np.ndarray, by: np.ndarray | None = None) -> np.ndarray:
+    """Share (N,) of each of some faces (N,) that faces of other blocks cover. by: mask (B,) of blocks that count; None for all."""
     parts, owner = blocks.parts, blocks.part_block
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
     pairs = near_pairs(parts, NEAR * size)
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     both = np.concatenate([pairs, pairs[:, ::-1]])
     _, below, above = opposite_faces(parts, both, NEAR * size[both].min(axis=1), size, OPPOSITE)
-    chosen = np.isin(below, face)
-    below, above = below[chosen], above[chosen]
+    counts = np.isin(below, face) if by is None else np.isin(below, face) & by[blocks.face_block[above]]
+    below, above = below[counts], above[counts]
     area = np.zeros(len(parts.face_block))
     np.add.at(area, below, shapely.area(overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))))
     return np.asarray(area[face] / shapely.area(face_polygons(parts, face, face)))
