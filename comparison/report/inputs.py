@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import Units, class_words, format_number, plural
-from comparison.report.plain_words import PLACES
+from comparison.report.plain_words import coordinate
 from comparison.report.values import ROUND_OFF
 from la_core.scene import given_keys
 from la_core.text_table import exists
@@ -96,7 +96,7 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
         if np.any(spin):
             nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
-            yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_vector(nearest)} m"
+            yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_point(nearest)} m"
         else:
             yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
         for own in facts.get("motions") or ():
@@ -105,7 +105,7 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         support = facts.get("support") or {}
         if support:
             places = (
-                f"{axis} {_coordinate(a)} to {_coordinate(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
+                f"{axis} {coordinate(a)} to {coordinate(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
             )
             yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
     if exists(yade.get("settlement")):
@@ -147,9 +147,9 @@ def _given(value: float) -> str:
     return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
 
 
-def _coordinate(value: float) -> str:
-    """Return a coordinate, m, without the round-off that reading a drawing or closing its joints leaves."""
-    return _given(round(value, PLACES))
+def _point(parts: Iterable[float]) -> str:
+    """Return a point as its coordinates, m; near the origin, in a small model, with as many digits as a vector."""
+    return f"({', '.join(_given(x) if abs(x) < 1.0 else coordinate(x) for x in map(float, parts))})"
 
 
 def _vector(parts: Iterable[float]) -> str:

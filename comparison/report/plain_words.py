@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, format_number, plain_number, with_uncertainty
+from comparison.numbers import Units, format_number, with_uncertainty
 from comparison.verdict import Verdict
 from la_core.text_table import exists
 
@@ -166,8 +166,17 @@ def _support_words(facts: dict[str, Any]) -> str:
         return "the support"
     (low, *_), (high, *_) = support["low"], support["high"]
     named = f'"{names[0]}"' if len(names) == 1 else f"{len(names)} blocks or more" if len(names) >= 12 else f"{len(names)} blocks"
-    start, end = (plain_number(round(x, PLACES) + 0.0, 3) for x in (low, high))
-    return f"the support ({named}, x = {start} to {end} m)"
+    places = max(0, 3 - math.floor(math.log10(max(high - low, 10.0**-PLACES))))  # for four digits of the support's length
+    return f"the support ({named}, x = {coordinate(low, places)} to {coordinate(high, places)} m)"
+
+
+def coordinate(value: float, places: int = PLACES) -> str:
+    """Return a coordinate, m, to some decimal places however far the origin is.
+
+    Beyond PLACES digits are round-off that reading a drawing or closing its joints leaves. Zeros at the end are left out.
+    """
+    text = f"{round(value, PLACES) + 0.0:.{places}f}"
+    return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
 
 
 def _motion_words(facts: dict[str, Any]) -> str:

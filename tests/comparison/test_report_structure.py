@@ -198,3 +198,16 @@ def test_the_place_of_a_support_has_no_round_off() -> None:
     rows = dict(input_rows(comparison | {"structure": facts}, Units(1000.0)))
     assert rows["support"] == "pad: x 0 to 0.55 m, y 0 to 0.4 m, z −0.3 to 0 m"
     assert 'the support ("pad", x = 0 to 0.55 m)' in " ".join(plain_words(comparison, Units(1000.0)))
+
+
+def test_a_place_far_from_the_origin_is_given_as_exactly_as_one_near_it() -> None:
+    """Coordinates of a survey have six digits before the point; the arm of a turning support needs those after it."""
+    support = {"names": ["pad"], "low": [432100.804, 0.0, -0.3], "high": [432101.906, 0.4, 0.0]}
+    axis, point = np.array([0.0, 1.0, 0.0]), np.array([432100.125, 0.0, -0.5])
+    motion = [*np.cross(point, axis).tolist(), *axis.tolist()]
+    comparison = {"structure": FACTS | {"support": support, "motion": motion}, "weight": 1000.0, "unit": "N m"}
+    facts = comparison["structure"] | {"densities": [], "inset": 0.0, "size": [1.0] * 3, "block_size": [[1.0] * 3] * 2}
+    rows = dict(input_rows(comparison | {"structure": facts}, Units(1000.0)))
+    assert rows["support"].startswith("pad: x 432100.804 to 432101.906 m")
+    assert rows["rotation of the support, right-handed"].endswith("through the point (432100.125, 0, −0.5) m")
+    assert "x = 432100.804 to 432101.906 m" in " ".join(plain_words(comparison, Units(1000.0)))
