@@ -9,6 +9,7 @@ from typing import Any, TypeGuard
 from la_core.errors import SceneError
 
 ROUND_OFF = 1e-7  # of the weight: a smaller reaction is zero but for the residuals of the solver, of which 1e-6 are accepted
+PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
 OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
 
 
@@ -25,9 +26,18 @@ def number_text(value: float | None, digits: int = 6) -> str:
     return text.replace("-", "−", 1) if value < 0.0 else text
 
 
+def coordinate_text(value: float, places: int = PLACES) -> str:
+    """A coordinate, m, to some decimal places however far the origin is, without zeros at the end.
+
+    Digits beyond PLACES are round-off that reading a drawing or closing its joints leaves.
+    """
+    text = f"{round(value, PLACES) + 0.0:.{places}f}"
+    return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
+
+
 def place_text(place: Iterable[float]) -> str:
-    """A place, m, such as "(1.5, 0, 2) m": four digits, and whole metres in full, as coordinates of a survey need them."""
-    return f"({', '.join(number_text(along + 0.0, 4) for along in place)}) m"
+    """A place, m, such as "(1.5, 0, 2) m": four digits, and centimetres however far the origin is, as in the grid of a survey."""
+    return f"({', '.join(number_text(along + 0.0, 4) if abs(along) < 10.0 else coordinate_text(along, 2) for along in place)}) m"
 
 
 def over_weight(value: float | None, weight: float) -> float | None:

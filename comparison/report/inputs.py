@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import Units, class_words, format_number, plural
-from comparison.report.plain_words import coordinate
 from comparison.report.values import ROUND_OFF
 from la_core.scene import given_keys
-from la_core.text_table import exists
+from la_core.text_table import coordinate_text, exists
 
 Rows = list[tuple[str, str]]
 
@@ -105,7 +104,8 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         support = facts.get("support") or {}
         if support:
             places = (
-                f"{axis} {coordinate(a)} to {coordinate(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
+                f"{axis} {coordinate_text(a)} to {coordinate_text(b)} m"
+                for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
             )
             yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
     if exists(yade.get("settlement")):
@@ -149,7 +149,7 @@ def _given(value: float) -> str:
 
 def _point(parts: Iterable[float]) -> str:
     """Return a point as its coordinates, m; near the origin, in a small model, with as many digits as a vector."""
-    return f"({', '.join(_given(x) if abs(x) < 1.0 else coordinate(x) for x in map(float, parts))})"
+    return f"({', '.join(_given(x) if abs(x) < 1.0 else coordinate_text(x) for x in map(float, parts))})"
 
 
 def _vector(parts: Iterable[float]) -> str:

@@ -8,12 +8,11 @@ import numpy as np
 
 from comparison.numbers import Units, format_number, with_uncertainty
 from comparison.verdict import Verdict
-from la_core.text_table import exists
+from la_core.text_table import PLACES, coordinate_text, exists
 
 BOUND = "associated"  # the answer that is a bound where no Coulomb prediction is known
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
 UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
-PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
 ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
 
@@ -167,16 +166,7 @@ def _support_words(facts: dict[str, Any]) -> str:
     (low, *_), (high, *_) = support["low"], support["high"]
     named = f'"{names[0]}"' if len(names) == 1 else f"{len(names)} blocks or more" if len(names) >= 12 else f"{len(names)} blocks"
     places = max(0, 3 - math.floor(math.log10(max(high - low, 10.0**-PLACES))))  # for four digits of the support's length
-    return f"the support ({named}, x = {coordinate(low, places)} to {coordinate(high, places)} m)"
-
-
-def coordinate(value: float, places: int = PLACES) -> str:
-    """Return a coordinate, m, to some decimal places however far the origin is.
-
-    Beyond PLACES digits are round-off that reading a drawing or closing its joints leaves. Zeros at the end are left out.
-    """
-    text = f"{round(value, PLACES) + 0.0:.{places}f}"
-    return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
+    return f"the support ({named}, x = {coordinate_text(low, places)} to {coordinate_text(high, places)} m)"
 
 
 def _motion_words(facts: dict[str, Any]) -> str:

@@ -6,8 +6,8 @@ import numpy as np
 
 from la_core.errors import SceneError
 from la_core.scene import Scene
+from la_core.text_table import coordinate_text
 
-MICROMETRE = 6  # places behind the point of a number of metres
 FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in the plane
 
 
@@ -107,8 +107,7 @@ def _decide_plane(scene: Scene) -> tuple[bool, str]:
     if request is True and obstacle:
         raise SceneError("effects.plane", obstacle, value=True, hint='leave it out or say "auto"')
     plane = not obstacle if request == "auto" else bool(request)
-    low, high = (round(float(y), MICROMETRE) + 0.0 for y in (scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()))
-    fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
+    fits = f"every block is a prism from {_depth_words(scene)}, and gravity and the motion lie in the xz plane"
     return plane, obstacle or (fits if plane else f"requested in the scene, although {fits}")
 
 
@@ -136,13 +135,18 @@ def _obstacle_to_elasticity(scene: Scene) -> str | None:
     return None
 
 
+def _depth_words(scene: Scene) -> str:
+    """Where all blocks together begin and end along y, such as "y = 0 to 0.4 m"."""
+    return f"y = {coordinate_text(scene.blocks.low[:, 1].min())} to {coordinate_text(scene.blocks.high[:, 1].max())} m"
+
+
 def _obstacle_to_plane(scene: Scene) -> str:
     """Why the scene is not plane, or "" where it is."""
     blocks = scene.blocks
     low, high = blocks.low[:, 1], blocks.high[:, 1]
     depth = high.max() - low.min()
     for outlier in np.flatnonzero((low - low.min() > FLAT * depth) | (high.max() - high > FLAT * depth)):
-        return f'block "{blocks.names[outlier]}" does not span the whole depth, y = {low.min():.6g} to {high.max():.6g} m'
+        return f'block "{blocks.names[outlier]}" does not span the whole depth, {_depth_words(scene)}'
     for outlier in np.flatnonzero(np.minimum(np.abs(blocks.face_normal[:, 1]), 1.0 - np.abs(blocks.face_normal[:, 1])) > FLAT):
         return f'block "{blocks.names[blocks.face_block[outlier]]}" is not a prism along y'
     if abs(scene.gravity[1]) > FLAT * np.linalg.norm(scene.gravity):

@@ -13,6 +13,7 @@ from la_core.repair.facing import Facing, facing_faces
 from la_core.repair.outline_motion import MovedOutline, moved_outline, onto_planes
 from la_core.repair.planes import common_planes
 from la_core.repair.repairs import Repairs, Unclosed
+from la_core.text_table import place_text
 
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
 PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
@@ -137,8 +138,8 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
         beyond = np.max(parts.face_normal[faces] @ moved[vertex] - parts.face_offset[faces])
         depth = float(max(beyond, np.max(normal[faces] @ before - offset[faces])))
         if depth > limit:
-            where, name = ", ".join(f"{value:.4g}" for value in before + origin), parts.names[part]
-            rule = f"its surface at the vertex ({where}) would have to move {depth:.3g} m to close its joints, more than {limit:.3g} m"
+            where, name = place_text(before + origin), parts.names[part]
+            rule = f"its surface at the vertex {where} would have to move {depth:.3g} m to close its joints, more than {limit:.3g} m"
             hint = "correct it in the drawing, or take a larger tolerance"
             raise SceneError(f'block "{name}"', rule, hint=hint, blocks=[name])
 
@@ -199,7 +200,7 @@ def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: fl
 
 def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
     name, (x, _, z) = parts.names[part], parts.centroid[part] + origin
-    rule = f"is so thin that nothing of it, near x = {x:.4g} m and z = {z:.4g} m, would be left"
+    rule = f"is so thin that nothing of it, near (x, z) = {place_text((x, z))}, would be left"
     return SceneError(f'block "{name}"', rule, hint="take a smaller tolerance, or remove the block", blocks=[name])
 
 

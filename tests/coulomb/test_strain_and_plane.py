@@ -85,3 +85,12 @@ def forced_flat(scene: Scene) -> Assembly:
     assert not assembly.effects.plane
     flat = dataclasses.replace(assembly, effects=dataclasses.replace(assembly.effects, plane=True))
     return flat.with_inset(scene, scene.inset)
+
+
+def test_the_depth_of_a_plane_structure_is_told_however_far_the_origin() -> None:
+    far = 5432100.25
+    boxes = [
+        scenes.box(name, (0.0, far, z), (1.0, far + 0.4, z + 0.5), role)
+        for name, z, role in (("pad", -0.5, "support"), ("block", 0.0, "free"))
+    ]
+    assert "from y = 5432100.25 to 5432100.65 m" in assemble(scenes.build(*boxes)).effects.reasons["plane"]

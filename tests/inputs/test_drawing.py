@@ -170,7 +170,7 @@ REFUSED = {
     "loose lines": (dxf([drawn.line((0, 0), (1, 1), "A")]), {}, "holds no closed outline; it has 1 lines that enclose nothing"),
     "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
     "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself'),
-    "crossing far away": (dxf([polyline([(x + 45e6, z) for x, z in CROSSED], "A")]), {}, 'near (45000, 0.25) m: the outline'),
+    "crossing far away": (dxf([polyline([(x + 45e6, z) for x, z in CROSSED], "A")]), {}, 'near (45000.5, 0.25) m: the outline'),
     "insert of itself": (dxf([insert("B", (0, 0), "A")], blocks={"B": insert("B", (1, 1), "0")}), {}, 'drawing "wall.dxf": '),
 }  # fmt: skip
 REFUSED_SVG = {
