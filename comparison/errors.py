@@ -38,6 +38,7 @@ _NEXT_STEP = {  # by the number of a system's error
     errno.EDQUOT: _FREE_SPACE,
     errno.EROFS: _OTHER_FOLDER,
     errno.EACCES: _OTHER_FOLDER,
+    errno.EPERM: _OTHER_FOLDER,
     errno.EISDIR: "a folder stands where a file is needed; delete or rename it",
 }
 

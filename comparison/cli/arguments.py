@@ -7,7 +7,7 @@ from pathlib import Path
 from comparison.cli.exit_codes import MEANINGS
 from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
-from comparison.run_folder import FIGURE_FORMATS, MOST_FRAMES, MOVING_FORMATS
+from comparison.run_folder import FIGURE_FORMATS, MOST_FRAMES, MOVING_FORMATS, require_folder_of
 from comparison.settings import HARDER_SECONDS, MOST_WORKERS
 from la_core.errors import visible
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
@@ -230,7 +230,10 @@ def _add_completion(add: AddVerb) -> None:
 
 
 def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
-    """Return a type for paths with one of these endings; `what` names the file in the error message, such as 'a figure'."""
+    """Return a type for paths to write, with one of these endings; `what` names the file in the error message, such as 'a figure'.
+
+    The type raises SceneError for a path whose folder does not exist.
+    """
 
     def path_of(text: str) -> Path:
         path = Path(text)
@@ -238,6 +241,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
             *others, last = endings
             choices = f"{', '.join(others)} or {last}" if others else last
             raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
+        require_folder_of(path)  # told before the work of the command, which would be lost
         return path
 
     return path_of

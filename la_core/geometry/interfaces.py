@@ -284,10 +284,11 @@ def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:
     alone = np.setdiff1d(np.arange(len(blocks)), touching)
     if len(alone):
         block = int(alone[np.argmax(blocks.free[alone])])  # the first free one, if any is free
-        names = ", ".join(f'"{blocks.names[i]}"' for i in alone[:10])
+        more = f" and {len(alone) - 10} more" if len(alone) > 10 else ""
+        names = ", ".join(f'"{blocks.names[i]}"' for i in alone[:10]) + more
         raise SceneError(
             f"block{'s' if len(alone) > 1 else ''} {names}",
-            "touches nothing: no face lies on another block's face",
+            f"touch{'' if len(alone) > 1 else 'es'} nothing: no face lies on another block's face",
             hint=nearest_gap(blocks, np.array([block]), np.delete(np.arange(len(blocks)), block)),
             blocks=[blocks.names[i] for i in alone],
             spots=[tuple(blocks.centroid[i].tolist()) for i in alone],

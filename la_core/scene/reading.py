@@ -13,6 +13,18 @@ _MESHES = (".obj", ".ply", ".stl")
 _PICTURES = (".ifc", ".pdf", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMATS, ".dwg"), "a drawing"),
             **dict.fromkeys(_PICTURES, "a drawing or a picture"), ".json": "a JSON file"}  # fmt: skip
+_NUMBER = r"=\s*([-+]?[\d.]+)\s*"
+_SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
+    (r"=[^\"']*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
+    (r"=\s*[-+]?\d{1,3}([.' ]\d{3})+(,\d+)?\s*(#.*)?$", "write numbers with a decimal point and no other mark, as in 2200.5"),
+    (r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", r"write numbers with a decimal point, \1.\2"),
+    (_NUMBER + "(degrees?|deg|°)", r"write the number alone, \1; the friction is the tangent of the angle"),
+    (_NUMBER + "%", "write the number alone, as a share of one: 0.6 for 60 %"),
+    (r";\s*(#.*)?$", "a line ends without a semicolon"),
+    (_NUMBER + r"([^\W\d_][\w/³²]*)", r"write the number alone, \1; all numbers are in SI units (m, kg, N)"),
+    (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
+)
+_TABLE_TWICE = "a table in single brackets stands once; tables of which a scene may have several have double brackets, as [[block]]"
 
 
 def read_text(path: Path) -> str:
@@ -62,12 +74,9 @@ def _slip(text: str, message: str) -> str:
     """What the line of an error was probably meant to be, as a hint; "" where nothing is known."""
     place = re.search(r"line (\d+)", message)
     line = text.split("\n")[int(place[1]) - 1].strip() if place else ""
-    if number := re.search(r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", line):
-        return f"write numbers with a decimal point, {number[1]}.{number[2]}"
-    if number := re.search(r"=\s*([-+]?[\d.]+)\s*(degrees?|deg|°)", line):
-        return f"write the number alone, {number[1]}; the friction is the tangent of the angle"
-    if number := re.search(r"=\s*([-+]?[\d.]+)\s*([^\W\d_][\w/³²]*)", line):
-        return f"write the number alone, {number[1]}; all numbers are in SI units (m, kg, N)"
-    if re.search(r"=\s*[^\W\d][^\"'\[\]{}=]*$", line):
-        return "write text in quotes"
+    if "Cannot declare" in message or "Cannot overwrite" in message:
+        return _TABLE_TWICE if line.startswith("[") else "the key stands twice; give it once"
+    for pattern, hint in _SLIPS:
+        if found := re.search(pattern, line):
+            return found.expand(hint)
     return ""

@@ -68,7 +68,7 @@ def test_a_scene_that_exists_is_never_replaced(here: Path, capsys: pytest.Captur
     assert main(["new", "wall"]) == 2
     assert "wall.toml: exists already and is not replaced; name another file with -o" in capsys.readouterr().err
     assert (here / "wall.toml").read_text() == "mine"
-    assert main(["new", "wall", "-o", "nowhere/wall.toml"]) == 3
+    assert main(["new", "wall", "-o", "nowhere/wall.toml"]) == 2
 
 
 def test_kinds_are_listed_and_a_misspelt_one_is_recognised(capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,3 +139,13 @@ def test_the_keys_of_one_table_are_listed_with_meaning_default_and_choices(capsy
     assert "left springing" in capsys.readouterr().out
     assert main(["schema", "wal"]) == 2
     assert 'did you mean "wall"?' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", ["show two_pads -o no/x.png", "solve two_pads -o no/x.png", "sensitivity two_pads -o no/x.pdf", "new wall -o no/x.toml"]
+)
+def test_a_file_in_no_folder_is_told_before_the_work(words: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words.split()) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and "its folder no does not exist; make that folder first" in told.err
+    assert list(here.iterdir()) == []

@@ -56,6 +56,7 @@ NEXT_STEPS = {
     "full": (errno.ENOSPC, "free some space"),
     "read-only": (errno.EROFS, "can be written"),
     "closed": (errno.EACCES, "can be written"),
+    "not permitted": (errno.EPERM, "can be written"),
 }
 
 

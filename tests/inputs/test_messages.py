@@ -101,6 +101,13 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
     ("old", "new", "expected"),
     [
         ("= 0.6", "= 0,6", "write numbers with a decimal point, 0.6"),
+        ("= 2200.0", "= 2.200,5", "write numbers with a decimal point and no other mark, as in 2200.5"),
+        ("= 2200.0", "= 2'200", "write numbers with a decimal point and no other mark, as in 2200.5"),
+        ("= 0.6", "= 60 %", "write the number alone, as a share of one: 0.6 for 60 %"),
+        ("= 0.6", "= 0.6;", "a line ends without a semicolon"),
+        ('= "support"', "= „support“", "write text in straight quotes"),
+        ("[[block]]", "[block]", "have double brackets, as [[block]]"),
+        ("= 0.6", "= 0.6\nfriction = 0.5", "the key stands twice; give it once"),
         ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
         ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is the tangent of this angle, 0.700"),
         ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),

@@ -92,7 +92,7 @@ CHANGED = {
     "overlap": (("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, -0.05], to = [1.0"), 'blocks "fixed pad" and "block": overlap by'),
     "floating": (
         ("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, 0.012], to = [1.0"),
-        '"block": touches nothing: no face lies on another block\'s face; "fixed pad" is nearest to "block", about 0.012 m away',
+        '"block": touch nothing: no face lies on another block\'s face; "fixed pad" is nearest to "block", about 0.012 m away',
     ),
     "inset too large": (
         ("= 0.6", "= 0.6\ninset = 0.3"),
