@@ -26,7 +26,7 @@ LEAST_CHORDS = 2  # of a curve
 DWG = b"AC10"  # the first bytes of a DWG file
 
 
-def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
+def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:
     """Outlines and lines in the model space of a DXF file; parameters and errors are those of `read_outlines`."""
     if content.startswith(DWG):
         raise ValueError("is a DWG file; save it as DXF")
@@ -34,19 +34,20 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
 
     try:
         document, auditor = recover.read(io.BytesIO(content))
-        scale = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
+        paper = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"is not a whole DXF file: {_words(error)}") from error
-    if scale is None:
+    if paper is None:
         raise ValueError('does not say its unit; state it: unit = "mm"')
-    drawn = Drawn(scale)
+    metres = paper * scale
+    drawn = Drawn(metres)
     for kind, count in _out_of_reach(document, auditor).items():
         drawn.ignored |= {kind: count} if count else {}
     try:
         for number, (entity, layer, colour) in enumerate(_entities(document.modelspace(), document, "0", "white", 0)):
             if number >= MOST_ENTITIES:
                 raise ValueError(f"has more than {MOST_ENTITIES} entities")
-            _add(drawn, entity, (layer, colour), scale, sagitta)
+            _add(drawn, entity, (layer, colour), metres, sagitta)
     except ValueError:
         raise
     except Exception as error:

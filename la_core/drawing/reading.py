@@ -9,7 +9,7 @@ from la_core.drawing.svg import read_svg
 DRAWING_FORMATS = (".dxf", ".svg")
 
 
-def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: float) -> Drawn:
+def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:
     """Read the outlines of a drawing.
 
     Parameters
@@ -22,6 +22,8 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
         Metres per unit of the drawing; None takes the file's own unit.
     sagitta : float
         Largest distance between a curve and the chords that replace it, m.
+    scale : float
+        Lengths of the structure over those of the drawing: 50 for a drawing to scale 1 : 50.
 
     Raises
     ------
@@ -30,5 +32,5 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
     ImportError
         The reader of DXF files is not installed.
     """
-    drawn = (read_svg if suffix.lower() == ".svg" else read_dxf)(content, unit, sagitta)
+    drawn = (read_svg if suffix.lower() == ".svg" else read_dxf)(content, unit, sagitta, scale)
     return replace(drawn, sagitta=sagitta)

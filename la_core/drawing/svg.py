@@ -33,7 +33,7 @@ SAME_POINT = 1e-9  # of the size of a line
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
-def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
+def read_svg(content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:
     """Outlines and lines of an SVG file; parameters and errors are those of `read_outlines`."""
     if b"<!ENTITY" in content:  # nested entities can fill the memory
         raise ValueError("defines entities, which no drawing needs; save it again as plain SVG")
@@ -44,13 +44,14 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     if _tag(root) != "svg":
         raise ValueError(f"is not an SVG file: its first element is <{_tag(root)[:40]}>")
     own, stretch, viewport = page_of(root)
-    scale = unit or own
-    if scale is None:
+    paper = unit or own
+    if paper is None:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
     named = {name: element for element in reversed(list(root.iter())) if (name := element.get("id"))}
-    reader = _Reader(Drawn(scale), sheet_of(root), sagitta, named)
+    metres = paper * scale
+    reader = _Reader(Drawn(metres), sheet_of(root), sagitta, named)
     try:
-        reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
+        reader.walk(root, _Around(np.diag([metres * stretch[0], -metres * stretch[1], 1.0]), viewport), 0)
     except OverflowError as error:
         raise ValueError(f"holds a number that is too large: {error}") from error
     for _ in range(reader.sheet.unread):

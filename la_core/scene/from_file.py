@@ -138,7 +138,7 @@ def _doubt(said: bool, clean: Cleaned) -> str:
     """A comment on the unit, where the file does not say it, or most blocks are larger or smaller than any that walls are built of."""
     size = float(np.median([np.ptp(outline.points, axis=0).max() for outline in clean.outlines]))
     if said and not SHORTEST <= size <= SIZE[1]:
-        more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale, as 1 : 50, needs the scale in its unit"
+        more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale 1 : 50 needs scale = 50"
         return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m {more}"
     return "" if said else "  # CHECK: the file does not say it"
 

@@ -99,6 +99,13 @@ def test_a_stated_unit_counts(tmp_path: Path) -> None:
     assert areas(scene_of(tmp_path, content, ground=["GROUND"], unit="cm")) == pytest.approx([10.0, 50.0], rel=ROUND_OFF)
 
 
+@pytest.mark.parametrize(("content", "suffix"), [(drawn.wall_dxf(), ".dxf"), (drawn.wall_svg(), ".svg")])
+def test_a_drawing_to_scale_is_enlarged_but_no_other_key(content: bytes, suffix: str, tmp_path: Path) -> None:
+    full = scene_of(tmp_path, content, suffix, SETTLING, **ROLES)
+    scene = scene_of(tmp_path, content, suffix, SETTLING, **ROLES | {"joints": 0.024, "scale": 2.0})
+    assert areas(scene) == pytest.approx([4.0 * area for area in areas(full)], rel=ROUND_OFF)
+
+
 def test_inserts_repeat_a_block_on_their_own_layer(tmp_path: Path) -> None:
     content = dxf(
         [polyline([(0, -100), (3000, -100), (3000, 0), (0, 0)], "GROUND"), insert("B", (0, 0), "A", 3, 1000.0)],

@@ -12,7 +12,7 @@ from wall_drawings import dxf, polyline
 
 from comparison.cli.commands import main
 from la_core.geometry import find_interfaces
-from la_core.scene import load_scene, scene_from_file
+from la_core.scene import build, load_scene, scene_from_file
 
 SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
 ABOVE = [(0, 500), (1000, 500), (1000, 1000), (0, 1000)]
@@ -124,3 +124,14 @@ def test_bodies_become_a_scene_without_typing(unit: float, tmp_path: Path) -> No
 def test_what_is_no_drawing_is_refused(name: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "--from", str(tmp_path / name)]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_a_drawing_on_paper_is_told_to_state_its_scale(tmp_path: Path) -> None:
+    """At 1 : 50 a block of 0.5 m is 10 mm long; the scale that the comment asks for is a key of the table."""
+    page = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'
+    (tmp_path / "plan.svg").write_text(page.format("".join(f'<rect x="{10 * i}" y="0" width="10" height="5"/>' for i in range(4))))
+    text = scene_from_file(tmp_path / "plan.svg", tmp_path)
+    assert "a drawing to scale 1 : 50 needs scale = 50" in text
+    scaled = text.replace("thickness =", "scale = 50\nthickness =").replace("tolerance = 0.003", "tolerance = 0.001")
+    scene = build(tomllib.loads(scaled), "plan", tmp_path)
+    assert scene.blocks.volume[scene.blocks.free] == pytest.approx(np.full(4, 0.5 * 0.25 * 0.4), rel=1e-6)

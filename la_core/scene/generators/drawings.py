@@ -113,7 +113,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     if suffix == ".dxf" and importlib.util.find_spec("ezdxf") is None:
         raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
     try:
-        drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta)
+        drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta, table.scale)
         _refuse_unmatched(table, drawn.places)
         clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _list_of(table, place))
     except ValueError as error:

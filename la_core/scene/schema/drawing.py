@@ -25,6 +25,7 @@ class Drawing(Table):
     )
     name: Name = described("prefix of the blocks' names, before their numbers from the lower left", default="block")
     unit: Literal["mm", "cm", "dm", "m", "in", "ft"] | None = described("unit of the drawing, in place of the file's own", default=None)
+    scale: Positive = described("50 for a drawing to scale 1 : 50, 1 for one in real size; other keys are in real size", default=1.0)
     thickness: Positive = described("of the blocks, along y", "m")
     thickness_of: dict[Pattern, Positive] = described("another thickness for layers or colours, by pattern", "m", default_factory=dict)
     joints: Annotated[NotNegative, Field(le=MOST_TOLERANCE)] = described(
