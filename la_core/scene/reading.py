@@ -1,6 +1,7 @@
 """Reading a scene file: its text and its tables, with the next step for what is no scene."""
 
 import re
+import shlex
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,11 @@ from la_core.errors import SceneError
 from la_core.scene.schema.types import LARGEST_FILE
 
 _MESHES = (".obj", ".ply", ".stl")
+_SHEETS = (".csv", ".xls", ".xlsx", ".ods")
 _PICTURES = (".ifc", ".pdf", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMATS, ".dwg"), "a drawing"),
-            **dict.fromkeys(_PICTURES, "a drawing or a picture"), ".json": "a JSON file"}  # fmt: skip
+            **dict.fromkeys(_PICTURES, "a drawing or a picture"), **dict.fromkeys(_SHEETS, "a spreadsheet"),
+            ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
 _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
     (r"=[^\"']*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
@@ -52,13 +55,15 @@ def _refuse_other_kinds(path: Path) -> None:
     if kind is None or not path.is_file():
         return
     if ending in (*_MESHES, *DRAWING_FORMATS):
-        hint = f"`crosscheck new --from {path}` writes a scene for it"
+        hint = f"`crosscheck new --from {shlex.quote(str(path))}` writes a scene for it"
     elif ending == ".json":
-        hint = f"where it is an assembly of COMPAS, `crosscheck new --from {path}` writes a scene for it"
+        hint = f"where it is an assembly of COMPAS, `crosscheck new --from {shlex.quote(str(path))}` writes a scene for it"
     elif ending == ".dwg":
-        hint = f"save it as DXF; `crosscheck new --from {path.with_suffix('.dxf')}` then writes a scene for it"
+        hint = f"save it as DXF; `crosscheck new --from {shlex.quote(str(path.with_suffix('.dxf')))}` then writes a scene for it"
     else:
-        hint = "draw its blocks as [[block]] tables with a `prism`, or generate them: `crosscheck new` lists kinds of structures"
+        hint = (
+            "write its blocks as [[block]] tables with a `box` or a `prism`, or generate them: `crosscheck new` lists kinds of structures"
+        )
     raise SceneError(str(path), f"is {kind}, not a scene", hint=hint)
 
 

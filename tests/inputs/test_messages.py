@@ -1,5 +1,6 @@
 """Messages about a scene file: all errors at once, each with its line and a next step; and what is no scene at all."""
 
+import shlex
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -164,6 +165,8 @@ def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_
         ("plan.dwg", "a drawing", "plan.dxf"),
         ("assembly.json", "a JSON file", "assembly.json"),
         ("a.png", "a drawing or a picture", None),
+        ("blocks.csv", "a spreadsheet", None),
+        ("plan of wall.svg", "a drawing", "plan of wall.svg"),
     ],
 )
 def test_another_file_in_place_of_a_scene_says_what_to_do(name: str, kind: str, source: str | None, tmp_path: Path) -> None:
@@ -174,7 +177,9 @@ def test_another_file_in_place_of_a_scene_says_what_to_do(name: str, kind: str, 
     if source is None:
         assert "`crosscheck new` lists kinds" in told
     else:
-        assert f"`crosscheck new --from {tmp_path / source}` writes a scene for it" in told.replace("then writes", "writes")
+        assert f"`crosscheck new --from {shlex.quote(str(tmp_path / source))}` writes a scene for it" in told.replace(
+            "then writes", "writes"
+        )
 
 
 def test_a_line_is_that_of_the_key_or_of_the_nearest_table_around_it() -> None:
