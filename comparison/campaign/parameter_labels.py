@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from comparison.numbers import format_number
+from la_core.exchange import SETTING_UNITS
 
 NAMES = {
     "joint.friction": "friction mu (-)",
@@ -40,27 +41,22 @@ NAMES = {
     "size": "size (m)",
 }
 UNITS = {  # by unit: keys whose own names are clear, with as much of their path as makes them unique
-    "m": "from to centre point vertices profile y shift bearing yade.sphere_radius",
-    "m or rad": "path.settlement yade.max_travel yade.wedging yade.plateau_travel",
+    "m": "from to centre point vertices profile y shift bearing",
+    "m or rad": "path.settlement",
     "m per unit": "scale",
     "degrees": "oculus sector",
     "kg": "mass",
     "kg, kg/m or kg/m2": "load.mass",
     "N, N/m or N/m2": "load.force",
     "N": "tie.force",
-    "N/m": "yade.normal_stiffness yade.shear_stiffness",
-    "N s/m": "yade.normal_damping yade.shear_damping",
-    "m/s or rad/s": "yade.speed",
-    "m/s": "yade.fall_speed",
-    "s": "yade.time_step yade.settling_step yade.ramp_time yade.gravity_ramp yade.gravity_time yade.time_limit",
-    "J": "yade.rest_energy",
     "periods": "yade.travel_periods",
     "-": "yade.damping_ratio yade.threads yade.stiffening yade.least_stiffening yade.plateau_share yade.quick_speed yade.rattling "
     "yade.servo_frequency yade.servo_damping yade.added_mass yade.swing_damping yade.time_step_share yade.gravity_damping "
     "yade.rest_unbalanced yade.plateau_uncertainty yade.plateau_drift yade.stop_uncertainty "
-    "yade.reaction_floor yade.settings_uncertainty zone.ratio",
+    "yade.reaction_floor yade.settings_uncertainty zone.ratio drawing.scale",
 }
 UNIT_OF = {key: unit for unit, keys in UNITS.items() for key in keys.split()}
+UNIT_OF |= {f"yade.{name}": unit for name, unit in SETTING_UNITS.items()}
 COMPONENTS = {  # of arrays, by the ends of their keys' paths
     "": ("x", "y", "z"),
     "profile": ("x", "z"),

@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import Units, class_words, format_number, plural
+from comparison.report.templating import flat
 from comparison.report.values import ROUND_OFF
+from la_core.exchange import setting_unit
 from la_core.scene import given_keys
 from la_core.text_table import coordinate_text, exists
 
@@ -36,6 +38,12 @@ def key_rows(text: str) -> list[tuple[str, str, str]]:
         return [(given.key, f"{given.value} {given.unit}".rstrip(), given.meaning) for given in given_keys(text)]
     except (ValueError, KeyError, TypeError, AttributeError, StopIteration):
         return []
+
+
+def setting_rows(comparison: dict[str, Any]) -> Rows:
+    """Return name and value with its SI unit of every setting of YADE's run; nothing where it did not run."""
+    turns = comparison.get("unit") == "N m"  # a moment is the reaction of a support that turns, in rad
+    return [(name, f"{text} {setting_unit(name, turns)}".rstrip()) for name, text in flat(comparison.get("settings") or {})]
 
 
 def _structure(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:

@@ -18,7 +18,7 @@ from comparison.numbers import (
     small_number,
 )
 from comparison.report.details import accuracy_rows, costs, energies, measures
-from comparison.report.inputs import input_rows, key_rows, scene_file
+from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
 from comparison.report.values import associated_of, expected_rows, rounding_words, stiffening_of, value_rows, values_of
@@ -104,7 +104,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "measures": list(measures(comparison, results["live"], units)),
         "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),
-        "settings": list(flat(comparison.get("settings") or {})),
+        "settings": setting_rows(comparison),
         "provenance": list(flat(comparison.get("provenance") or {})),
     }
 

@@ -10,9 +10,11 @@ from la_core.exchange.dem_settings import (
     PLATEAU_SHARE,
     POSES,
     RADIUS_OVER_INSET,
+    SETTING_UNITS,
     SETTINGS,
     TRAVEL_PERIODS,
     UNCERTAIN,
+    setting_unit,
 )
 from la_core.exchange.fields import (
     CASE_FIELDS,
@@ -66,6 +68,7 @@ __all__ = [
     "RELEASE_FIELDS",
     "RUN_FIELDS",
     "SETTINGS",
+    "SETTING_UNITS",
     "SETTLEMENT",
     "SUPPORT",
     "SUPPORT_TWISTS",
@@ -80,6 +83,7 @@ __all__ = [
     "present",
     "read",
     "schema_table",
+    "setting_unit",
     "solution_fields",
     "values_of",
     "write",

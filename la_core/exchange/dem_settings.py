@@ -19,8 +19,21 @@ SETTINGS = (
     "plateau_drift", "stop_uncertainty", "reaction_floor", "settings_uncertainty", "threads", "time_limit", "stiffening",
     "least_stiffening", "plateau_share", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
 )  # fmt: skip
+# Their units, of those that have one; a support moves in m, or turns in rad.
+SETTING_UNITS = {
+    **dict.fromkeys(("normal_stiffness", "shear_stiffness"), "N/m"),
+    **dict.fromkeys(("normal_damping", "shear_damping"), "N s/m"),
+    **dict.fromkeys(("time_step", "settling_step", "ramp_time", "gravity_ramp", "gravity_time", "time_limit"), "s"),
+    **dict.fromkeys(("max_travel", "wedging", "plateau_travel"), "m or rad"),
+    "sphere_radius": "m", "speed": "m/s or rad/s", "fall_speed": "m/s", "rest_energy": "J",
+}  # fmt: skip
 # Runs of version 0.2.0 do not have these.
 LATER_SETTINGS = (
     "stiffening", "least_stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
     "gravity_ramp", "threads", "plateau_share", "settling_step",
 )  # fmt: skip
+
+
+def setting_unit(name: str, turns: bool) -> str:
+    """The SI unit of a setting of YADE, "" where it has none; `turns` says whether the support turns, in rad, or moves, in m."""
+    return SETTING_UNITS.get(name, "").split(" or ")[-1 if turns else 0]

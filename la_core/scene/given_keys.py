@@ -7,6 +7,7 @@ from typing import Any
 
 import pydantic
 
+from la_core.exchange import setting_unit
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.scene.validation import table_of
 
@@ -54,7 +55,9 @@ def _keys(data: dict[str, Any], table: type[pydantic.BaseModel], path: str) -> I
         elif name == "block" and len(tables) > MOST_BLOCKS:
             yield GivenKey(key, f"{len(tables)} blocks", "", meaning)
         elif name == "yade":
-            yield from (GivenKey(f"{key}.{setting}", _value_text(number), "", meaning) for setting, number in value.items())
+            turns = "axis" in (data.get("settlement") or {})
+            for setting, number in value.items():
+                yield GivenKey(f"{key}.{setting}", _value_text(number), setting_unit(setting, turns), meaning)
         else:
             for place, entry in enumerate(tables):
                 inner = f"{key}[{place}]" if isinstance(value, list) else key

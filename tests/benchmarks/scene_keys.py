@@ -17,7 +17,6 @@ from la_core.scene.schema.scene_file import SceneFile
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "la_core" / "scenes" / "keys.md"
 YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
-UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # with which a setting's comment may begin
 
 HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
     "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`",
@@ -98,7 +97,8 @@ def yade_part() -> Iterator[str]:
     defaults = dict(fixed_defaults(source))
     rows = ["| key | unit | default | meaning |", "|---|---|---|---|"]
     for name, comment in comments.items():
-        unit = next((unit for unit in UNITS if comment == unit or comment.startswith(f"{unit}, ") or comment.startswith(f"{unit} of ")), "")
+        unit = exchange.SETTING_UNITS.get(name, "")
+        assert comment.startswith(f"{unit}, " if unit else ""), f"{name}: its comment begins with another unit than {unit}"
         meaning = comment.removeprefix(unit).removeprefix(",").strip()
         rows.append(f"| `{name}` | {unit} | {defaults.get(name, 'derived')} | {meaning} |")
     source_of_defaults = "../../yade_scripts/README.md#settings-and-where-they-come-from"

@@ -14,7 +14,7 @@ from made_up_comparisons import comparison_of, page_and_markdown
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units
 from comparison.report import predicted_value, report, structure_facts
-from comparison.report.inputs import input_rows
+from comparison.report.inputs import input_rows, key_rows, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
@@ -211,3 +211,17 @@ def test_a_place_far_from_the_origin_is_given_as_exactly_as_one_near_it() -> Non
     assert rows["support"].startswith("pad: x 432100.804 to 432101.906 m")
     assert rows["rotation of the support, right-handed"].endswith("through the point (432100.125, 0, −0.5) m")
     assert "x = 432100.804 to 432101.906 m" in " ".join(plain_words(comparison, Units(1000.0)))
+
+
+@pytest.mark.parametrize(("unit", "travel", "speed"), [("N", "0.002 m", "0.1 m/s"), ("N m", "0.002 rad", "0.1 rad/s")])
+def test_every_setting_of_yade_has_its_unit(unit: str, travel: str, speed: str) -> None:
+    settings = {"max_travel": 0.002, "speed": 0.1, "poses": 40, "rest_energy": 1e-6, "unknown": 1.5}
+    rows = dict(setting_rows({"unit": unit, "settings": settings}))
+    assert rows == {"max_travel": travel, "speed": speed, "poses": "40", "rest_energy": "1e-06 J", "unknown": "1.5"}
+    assert setting_rows({"unit": unit}) == []
+
+
+def test_a_setting_that_the_scene_gives_has_its_unit() -> None:
+    text = find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 0.01\nthreads = 1\n"
+    given = {row[0]: row[1] for row in key_rows(text)}
+    assert given["yade.speed"] == "0.01 m/s" and given["yade.threads"] == "1"
