@@ -137,6 +137,13 @@ def share_of(difference: Any, value: Any, digits: int = 2) -> str:
     return f"{NEARLY_ZERO if 0.0 < abs(share) < LEAST_SHARE else signed(share, digits)} %"
 
 
+def percent(share: float | None) -> str:
+    """Return a share in per cent with two significant digits, from 100 % on without decimals, or a dash where it is undefined."""
+    if share is None or not math.isfinite(share):
+        return DASH
+    return f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.2g} %"
+
+
 def plural(count: int, word: str) -> str:
     """Return a count with its word, in the plural unless the count is 1: "2 cases"."""
     return f"{count} {word}{'' if count == 1 else 's'}"

@@ -8,7 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
-from comparison.judge import percent
+from comparison.numbers import percent
 from comparison.verdict import VERDICT_HEADINGS, Check, check_words, mark_of, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from comparison.numbers import percent
 from comparison.verdict import Check, Verdict, finite_or_none
 from comparison.yade import HISTORY_OF_SPEED, Results, attempt_of
 from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis, lacks_sharp_prediction
@@ -20,11 +21,6 @@ SHARP_TOO = (
     "Set inset = 0 in the scene's [joint] table: limit analysis then predicts the value for sharp edges, too, and the part of rounded "
     "edges is known. Otherwise request no accuracy."
 )
-
-
-def percent(share: float | None) -> str:
-    """Return a share in per cent with two significant digits, or a dash where it is undefined."""
-    return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.2g} %"
 
 
 def attempts_by_method(results: Results) -> dict[str, tuple[Attempt, ...]]:

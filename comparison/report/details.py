@@ -4,8 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
-from comparison.judge import percent
-from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, format_number, plain_number, plural, small_number
+from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, format_number, percent, plain_number, plural, small_number
 from la_core.text_table import exists
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}

@@ -18,7 +18,7 @@ from rich.console import Console
 from scenes import shipped
 
 from comparison import figures
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from comparison.numbers import DASH
 from comparison.progress import Narration
 from comparison.provenance import describe

@@ -20,7 +20,7 @@ from rich.console import Console
 from verdict_scenes import drawn
 
 import la_core
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from comparison.numbers import format_number, with_uncertainty
 from la_core.text_table import exists
 from comparison.progress import Narration

@@ -23,7 +23,7 @@ from marked_text import listed, sentences, span, with_part
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
 from comparison.cli.study_verbs.campaign import find_campaign
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from la_core.text_table import number_text
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"

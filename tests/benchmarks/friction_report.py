@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from comparison.figures import FAINT, INK, method_colour
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from la_core.text_table import number_text
 
 PART, SMOOTH_PART = "predictions", "smooth joints"  # of friction.md: what is written from the record

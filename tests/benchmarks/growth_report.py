@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from comparison.figures.canvas import FAINT, INK, method_colour
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from comparison.studies.figure_of_cost import MARKERS
 from la_core.text_table import number_text
 

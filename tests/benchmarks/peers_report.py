@@ -10,7 +10,7 @@ from peers_dynamics import Run
 from peers_table import EQUILIBRIUM, LEAST_ERROR, OURS, SOLVED, Row, limit_table, markdown, number, power, summary_table
 
 from comparison.errors import YadeMissingError
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from comparison.provenance import describe
 from comparison.yade.installation import find_yade
 from la_core.limit.problem import ACCEPTED

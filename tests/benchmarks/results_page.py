@@ -22,7 +22,7 @@ from results_record import FRICTION_WALLS, RECORD, measured, read_record, with_l
 from rich.console import Console
 
 from comparison.judge.effects_table import EFFECTS
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
 from comparison import figures

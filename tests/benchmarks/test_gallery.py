@@ -22,7 +22,7 @@ from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
 from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
-from comparison.judge.requested_accuracy import percent
+from comparison.numbers import percent
 from la_core import text_table
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from comparison.numbers import Units, format_number, plain_number, share_of, small_number, with_uncertainty
+from comparison.numbers import Units, format_number, percent, plain_number, share_of, small_number, with_uncertainty
 
 
 @pytest.mark.parametrize(
@@ -69,3 +69,10 @@ def test_words_and_numbers_of_a_report_have_one_unit() -> None:
         == "said 0.3633 ± 0.0001 kN; 1.30040 kN (plateaus: 0.3633, 0.402 kN)"
     )
     assert heavy.words("off by −4e-12 m") == "off by −4e-9 mm" and light.words("363.3 ± 0.1 N") == "363.3 ± 0.1 N"
+
+
+@pytest.mark.parametrize(
+    ("share", "shown"), [(None, "–"), (math.nan, "–"), (0.0, "0 %"), (0.05, "5 %"), (0.142, "14 %"), (0.0035, "0.35 %"), (1.14, "114 %")]
+)
+def test_a_share_in_per_cent_has_two_digits_and_a_space(share: float | None, shown: str) -> None:
+    assert percent(share) == shown

@@ -15,6 +15,7 @@ from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_values import Row, bounds, interval, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.judge import FLOOR
+from comparison.numbers import percent
 from la_core.limit import Drive
 from la_core.text_table import exists
 
@@ -141,4 +142,4 @@ def _bar_handles(rows: list[Row]) -> list[Any]:
     ]
     if len(rows) <= BOUNDED:
         handles.append(Line2D([], [], color=PALE, linewidth=3.5, label=f"{Drive.YIELDING.symbol} to {Drive.PUSHING.symbol}"))
-    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {FLOOR:.1%}: tolerance without uncertainties")]
+    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {percent(FLOOR)}: tolerance without uncertainties")]

@@ -7,6 +7,7 @@ import numpy as np
 
 from comparison.judge.checks import next_steps
 from comparison.judge.checks.tolerances import UNCERTAIN, least_reaction
+from comparison.numbers import percent
 from comparison.verdict import Check, Verdict, within
 from comparison.yade import Results
 from la_core.limit import Status, consistent_reaction
@@ -36,7 +37,7 @@ def check_friction_state(results: Results) -> Check:
     end = f"{'high' if is_live else 'low'} as {consistent.value:.6g} {scene.unit}".rstrip()
     possible = f"With friction limited by YADE's own normal forces, the {scene.quantity} could be as {end}"
     scatter = _scatter(results)
-    slips = f" (stick-slip: scatter {scatter:.1%})" if scatter > STEADY else ""
+    slips = f" (stick-slip: scatter {percent(scatter)})" if scatter > STEADY else ""
     reason = f"{possible}: not every joint slides that should{slips}."
     check = within(name, consistent.value, reaction, tolerance, scene.unit, reason, next_steps.SLOWER_RUN)
     return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
@@ -50,7 +51,7 @@ def check_steadiness(results: Results) -> Check:
         reason = "YADE recorded too few rows on the plateau to measure its scatter."
         return Check(name, Verdict.AGREE, None, None, None, STEADY, unit, reason)
     what = results.scene.quantity
-    slips = f"Stick-slip: the {what} scatters by {scatter:.1%} about its plateau; the uncertainty of the {what} includes this."
+    slips = f"Stick-slip: the {what} scatters by {percent(scatter)} about its plateau; the uncertainty of the {what} includes this."
     return Check(name, Verdict.AGREE, None, scatter, None, STEADY, unit, slips if scatter > STEADY else "")
 
 

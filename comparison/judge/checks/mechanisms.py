@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from comparison.judge.checks.tolerances import reaction_tolerance
+from comparison.numbers import percent
 from comparison.verdict import Check, Verdict
 from comparison.yade import Results
 from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, mechanism, residuals
@@ -56,7 +57,7 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
     numbers = 1.0, alike, alike - 1.0, 1.0 - SIMILAR
     yield Check("mechanism similarity", Verdict.AGREE if same else other, *numbers, "", reason, "" if same else step)
     same = mass <= SAME_MASS
-    reason = "" if same else f"Blocks with {mass:.0%} of the mass move in one method only ({SAME_MASS:.0%} accepted).{why}"
+    reason = "" if same else f"Blocks with {percent(mass)} of the mass move in one method only ({percent(SAME_MASS)} accepted).{why}"
     shares = [mechanism.moving_mass_share(assembly, motion) for motion in (predicted, twists)]
     numbers = shares[0], shares[1], mass, SAME_MASS
     yield Check("moving blocks", Verdict.AGREE if same else other, *numbers, "of the mass", reason, "" if same else step)

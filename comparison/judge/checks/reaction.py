@@ -12,7 +12,7 @@ from comparison.judge.checks.friction_state import check_friction_state, check_s
 from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
 from comparison.judge.checks.prediction import Prediction, predicted
 from comparison.judge.checks.tolerances import UNCERTAIN, Unsure, floor, least_reaction, reaction_tolerance, unbalanced, unsure_methods
-from comparison.numbers import format_number, settlement_text, with_uncertainty
+from comparison.numbers import format_number, percent, settlement_text, with_uncertainty
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
@@ -145,7 +145,7 @@ def _jump(results: Results) -> tuple[str, str]:
 def _difference_words(results: Results, prediction: Prediction) -> str:
     scene, apart = results.scene, abs(results.recorded.result.reaction - prediction.value)
     is_small = not abs(prediction.value) > least_reaction(results.analysis)
-    distance = f"{format_number(apart, 4)} {scene.unit}".rstrip() + ("" if is_small else f" ({apart / abs(prediction.value):.1%})")
+    distance = f"{format_number(apart, 4)} {scene.unit}".rstrip() + ("" if is_small else f" ({percent(apart / abs(prediction.value))})")
     allowed = f"{format_number(reaction_tolerance(results, prediction.stated), 4)} {scene.unit}".rstrip()
     note = "" if prediction.slides else ", although no joint slides"
     return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
@@ -154,7 +154,7 @@ def _difference_words(results: Results, prediction: Prediction) -> str:
 def _unsure_words(unsure: Unsure, unit: str) -> str:
     size, allowed = (f"{format_number(value, 3)} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
     named = "YADE" if unsure.method == "YADE" else "Limit analysis"
-    return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large to decide by ({allowed} allowed)."
+    return f"{named} states an uncertainty of {size} ({percent(unsure.share)}), too large to decide by ({allowed} allowed)."
 
 
 def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]:
