@@ -1,7 +1,6 @@
 """The campaign file: scenes, and ranges of their keys. All errors of the file itself are raised here."""
 
 import math
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -12,7 +11,7 @@ import pydantic
 from pydantic import Field, Strict, model_validator
 
 from la_core.errors import SceneError, nearest
-from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths
+from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths, tables_of
 
 MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
@@ -35,6 +34,12 @@ class Sweep(Table):
             counts = {key: len(values) for key, values in group.items()}
             if len(set(counts.values())) > 1:
                 raise ValueError(f"keys that go together need equally many values, not {', '.join(f'{k}: {n}' for k, n in counts.items())}")
+        for key, values in self.vary.items():
+            whole = [value for value in values if type(value) is int]  # a decimal comma leaves whole numbers
+            if len(set(whole)) < len(whole):
+                again = next(value for number, value in enumerate(whole) if value in whole[:number])
+                comma = "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"
+                raise ValueError(f'"{key}" takes the value {again} twice; give it once; {comma}')
         keys = [*self.set, *self.varied()]
         if twice := [key for key in keys if keys.count(key) > 1]:
             raise ValueError(f'"{twice[0]}" is given twice')
@@ -103,15 +108,16 @@ def load_campaign(path: Path) -> Definition:
     """Read and validate a campaign file; raises SceneError for an invalid one."""
     try:
         text = _read(path)
-        data = tomllib.loads(text)
+    except SceneError as error:
+        raise SceneError(str(path), str(error)) from error
+    data = tables_of(text, path)
+    try:
         _refuse_a_scene(path, data)
         file = CampaignFile.model_validate(data)
         varied = list(dict.fromkeys(key for sweep in file.sweep for key in sweep.varied()))
         _require_sense(file, varied)
     except pydantic.ValidationError as error:
         raise SceneError(str(path), str(as_scene_error(error, data, CampaignFile))) from error
-    except (ValueError, RecursionError) as error:
-        raise SceneError(str(path), f"not valid TOML: {error}") from error
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error
     return Definition(path, text, file, tuple(varied))

@@ -8,6 +8,7 @@ from la_core.scene.loads.dead_loads import GROUND
 from la_core.scene.loads.friction import friction_of_joints, joints_per_class, refuse_idle_classes
 from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 from la_core.scene.loads.tilt import tilt_angles
+from la_core.scene.reading import tables_of
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
 from la_core.scene.schema.key_words import default_words, value_words
@@ -61,6 +62,7 @@ __all__ = [
     "starter_names",
     "starter_purpose",
     "starter_text",
+    "tables_of",
     "tables_of_schema",
     "ties_as_dicts",
     "tilt_angles",

@@ -75,6 +75,12 @@ def tables_of(text: str, path: Path) -> dict[str, Any]:
         raise SceneError(str(path), f"not valid TOML: {error}", hint=_slip(text, str(error))) from error
 
 
+def refuse_a_campaign(data: dict[str, Any], path: Path) -> None:
+    """Raise SceneError for the tables of a campaign in place of those of a scene."""
+    if "sweep" in data and "joint" not in data:
+        raise SceneError(str(path), "is a campaign, not a scene", hint=f"`crosscheck campaign {shlex.quote(str(path))}` runs it")
+
+
 def _slip(text: str, message: str) -> str:
     """What the line of an error was probably meant to be, as a hint; "" where nothing is known."""
     place = re.search(r"line (\d+)", message)

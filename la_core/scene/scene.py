@@ -228,6 +228,7 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) 
     counts_lines: whether messages name lines, because the text is that of a file.
     """
     data, counted = reading.tables_of(text, path), text if counts_lines else ""
+    reading.refuse_a_campaign(data, path)
     try:
         return _build(path, name, text, scene_file.SceneFile.model_validate(data), counted)
     except SceneError as error:

@@ -155,6 +155,12 @@ def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_
     assert message(path).startswith("not UTF-8 text (byte 23, line 2); save the file in the encoding UTF-8")
 
 
+def test_a_campaign_in_place_of_a_scene_is_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "class 3.toml"
+    path.write_text('title = "x"\n[[sweep]]\nscene = "two_pads"\n[labels]\n"joint.friction" = "mu"\n', encoding="utf-8")
+    assert message(path) == f"is a campaign, not a scene; `crosscheck campaign '{path}'` runs it"
+
+
 @pytest.mark.parametrize(
     ("name", "kind", "source"),
     [
