@@ -129,7 +129,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     bound = associated.value / joints.value_in_units(1.0)
     if abs(path.points[-1].value - bound) > SAME_VALUE * reference_size(bound):
         return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value", iterations
-    less = f"{1.0 - LESS_FRICTION:.0%}"
+    less = f"{100.0 * (1.0 - LESS_FRICTION):.0f} %"
     return False, f"no joint slides while the support moves, even with {less} less friction: the bound is the value from rest", iterations
 
 

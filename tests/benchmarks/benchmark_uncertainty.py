@@ -1,0 +1,153 @@
+"""Whether stated uncertainties hold on irregular structures: `.venv/bin/python tests/benchmarks/benchmark_uncertainty.py`.
+
+Predicts random scenes by default and again along finer paths, and writes comparison/gallery/uncertainty.md with its record. What the
+record holds is not predicted again; `--page` writes the page from the record alone.
+"""
+
+import argparse
+import json
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import on_path  # noqa: F401  so that the packages are found
+from growth_report import table
+from verdict_scenes import KINDS, SCENES, drawn
+
+from comparison.numbers import format_number, with_uncertainty
+from comparison.run_folder import write_text
+from la_core.analysis import AnalysisSettings, analyse
+from la_core.coulomb import CoulombSolution, PredictionSettings
+
+PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "uncertainty.md"
+SEEDS = (20261129, 20261130, 20261131)
+FINER = 3.0  # factor by which the limits of a step are divided on the paths that test a prediction
+REFERENCE = PredictionSettings((1e-3, 1e-4), FINER, 5.0 * PredictionSettings.effort)
+LEAST = 0.01  # of the weight: smaller reactions count as this
+FLOOR = 1e-5  # of the weight: smaller differences count as none, as in every judgement
+KNOWN = 1e-2  # of the reaction: largest uncertainty by which the judge decides
+Entry = dict[str, Any]
+HEAD = f"""# Does the stated uncertainty hold?
+
+Every prediction states its uncertainty before YADE runs, from its own paths alone. Here irregular random scenes test it: unequal blocks,
+leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. The
+[test on regular walls](friction.md#the-accuracy-of-the-prediction) is another one. The reference follows paths in steps {FINER:g} times
+finer, with a tenth of the viscosity. It shares model and method with what it tests; YADE tests these on [other](verdicts.md)
+[random](fresh_verdicts.md) [scenes](third_verdicts.md).
+
+Written by `python tests/benchmarks/benchmark_uncertainty.py` (half an hour on one core) from scenes that had no part in any method.
+"""
+LEGEND = """*holds*: scenes whose difference from the reference is no larger than the stated uncertainty, or 1e-5 of the weight. *worst
+excess*: the largest difference over what is allowed. *median stated*, *90 % within*: stated uncertainty and difference, over the reaction
+(over 1 % of the weight where this is larger). *unsure*: predictions that state more than 1 %, so that a judge does not decide by them, or
+are not solved. *s*, *reference s*: seconds of limit analysis for all scenes, one after the other.
+"""
+
+
+def measured(number: int, seed: int) -> Entry:
+    """Predict a scene by default and along finer paths; values over the weight."""
+    one = drawn(number, seed)
+    answers = [analyse(one.scene).coulomb, analyse(one.scene, AnalysisSettings(prediction=REFERENCE)).coulomb]
+    entry: Entry = {"seed": seed, "number": number, "kind": one.kind, "motion": one.motion}
+    return entry | {name: _values(answer, one.scene.weight) for name, answer in zip(("default", "reference"), answers, strict=True)}
+
+
+def _values(answer: CoulombSolution | None, weight: float) -> Entry | None:
+    """Value, uncertainty and plateaus over the weight; None without a value."""
+    if answer is None or not np.isfinite(answer.value):
+        return None
+    return {
+        "value": answer.value / weight,
+        "uncertainty": answer.uncertainty / weight,
+        "plateaus": (answer.plateaus / weight).tolist(),
+        "status": answer.status.value,
+        "seconds": answer.seconds,
+    }
+
+
+def excess(entry: Entry) -> float:
+    """Return the difference from the reference over what the prediction allows."""
+    first, finer = entry["default"], entry["reference"]
+    return float(abs(first["value"] - finer["value"]) / max(first["uncertainty"], FLOOR))
+
+
+def share(entry: Entry, amount: float) -> float:
+    """Return an amount over the reaction of the reference."""
+    return float(amount / max(abs(entry["reference"]["value"]), LEAST))
+
+
+def is_unsure(entry: Entry) -> bool:
+    """Return whether a prediction is too uncertain to decide by, or is not solved."""
+    first = entry["default"]
+    return bool(first["status"] != "solved" or share(entry, first["uncertainty"]) > KNOWN)
+
+
+def row(name: str, entries: list[Entry]) -> list[str]:
+    """Return the row of the table for some scenes."""
+    apart = [share(entry, abs(entry["default"]["value"] - entry["reference"]["value"])) for entry in entries]
+    stated = [share(entry, entry["default"]["uncertainty"]) for entry in entries]
+    seconds = [sum(entry[which]["seconds"] for entry in entries) for which in ("default", "reference")]
+    return [
+        name,
+        f"{sum(excess(entry) <= 1.0 for entry in entries)} of {len(entries)}",
+        format_number(max(map(excess, entries)), 2),
+        f"{format_number(100.0 * float(np.median(stated)), 2)} %",
+        f"{format_number(100.0 * float(np.quantile(apart, 0.9)), 2)} %",
+        str(sum(map(is_unsure, entries))),
+        *(format_number(value, 3) for value in seconds),
+    ]
+
+
+def page(entries: list[Entry]) -> str:
+    """Return the page: what was found, a row for each kind of scene, and the scenes on which the stated uncertainty does not hold."""
+    both = [entry for entry in entries if entry["default"] and entry["reference"]]
+    beyond = sorted((entry for entry in both if excess(entry) > 1.0), key=excess, reverse=True)
+    wrong = [entry for entry in beyond if share(entry, abs(entry["default"]["value"] - entry["reference"]["value"])) > KNOWN]
+    holds = len(both) - len(beyond)
+    headings = ("scenes", "holds", "worst excess", "median stated", "90 % within", "unsure", "s", "reference s")
+    kinds = [row(kind, [entry for entry in both if entry["kind"] == kind]) for kind in KINDS]
+    cells = [
+        [
+            f"{entry['number']} of {entry['seed']}, {entry['kind']}, {entry['motion']}",
+            *(with_uncertainty(entry[which]["value"], entry[which]["uncertainty"]) for which in ("default", "reference")),
+            f"{100.0 * share(entry, abs(entry['default']['value'] - entry['reference']['value'])):.2g}",
+            f"{excess(entry):.2g}",
+        ]
+        for entry in beyond
+    ]
+    found = [
+        f"- {len(both)} of {len(entries)} scenes have both predictions; seeds {', '.join(map(str, sorted({e['seed'] for e in entries})))}.",
+        f"- The stated uncertainty holds on {holds} of them ({100.0 * holds / len(both):.3g} %); it is meant to hold on 19 of 20.",
+        f"- On {len(wrong)} of the others the difference is larger than {100 * KNOWN:g} % of the reaction.",
+    ]
+    parts = [HEAD.rstrip("\n"), "\n".join(found), table(headings, [*kinds, row("all", both)]), LEGEND.rstrip("\n")]
+    if beyond:
+        parts += ["## Where it does not hold", table(("scene", "default: R/W", "reference: R/W", "apart %", "excess"), cells)]
+    return "\n\n".join(parts) + "\n"
+
+
+def main() -> None:
+    """Predict what the record does not hold, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="seeds of the scenes (default: %(default)s)")
+    parser.add_argument("--workers", type=int, default=1, help="processes (default: %(default)s)")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    options = parser.parse_args()
+    record = PAGE.with_suffix(".json")
+    entries: list[Entry] = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else []
+    kept = {(entry["seed"], entry["number"]) for entry in entries}
+    missing = [(number, seed) for seed in options.seeds for number in range(SCENES) if (seed, number) not in kept]
+    if missing and not options.page:
+        with ProcessPoolExecutor(options.workers) as pool:
+            for done, future in enumerate(as_completed([pool.submit(measured, *one) for one in missing]), start=1):
+                entries.append(future.result())
+                print(f"{done} of {len(missing)}", flush=True)
+                if done % SCENES == 0 or done == len(missing):
+                    entries.sort(key=lambda entry: (entry["seed"], entry["number"]))
+                    write_text(record, "[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n")
+    write_text(PAGE, page(entries))
+
+
+if __name__ == "__main__":
+    main()
