@@ -1,7 +1,7 @@
 """Campaigns: many scenes, or one over ranges of its keys, run side by side and gathered in one table."""
 
 from comparison.campaign import definition
-from comparison.campaign.cases import expand
+from comparison.campaign.cases import Case, expand
 from comparison.campaign.definition import default_folder, find_campaign, shipped_campaigns
 from comparison.campaign.engine import Campaign, Engine, run_cases
 from comparison.campaign.report.compare import Comparison, compare_tables
@@ -25,6 +25,7 @@ __all__ = [
     "STORED",
     "Campaign",
     "CampaignTable",
+    "Case",
     "Comparison",
     "Dask",
     "Engine",

@@ -40,6 +40,8 @@ class CaseRun:
         TOML text of the scene with the case's values.
     meshes : tuple of str
         Path and SHA-256 digest of every mesh.
+    warnings : tuple of str
+        What is implausible about the scene.
     """
 
     name: str
@@ -47,6 +49,7 @@ class CaseRun:
     path: Path
     text: str
     meshes: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     def scene(self) -> Scene:
         """Return the scene; raises SceneError for an invalid one."""
@@ -167,7 +170,7 @@ def _run(folder: str, path: Path, text: str) -> CaseRun:
     scene = scene_of_text(text, path, name)
     structural_model(scene)
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
-    return CaseRun(folder, name, path, text, tuple(meshes))
+    return CaseRun(folder, name, path, text, tuple(meshes), tuple(scene.warnings))
 
 
 def _values(whole: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:

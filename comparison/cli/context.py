@@ -42,9 +42,13 @@ class Context:
 
     def warn(self, scene: Scene) -> None:
         """Print what is implausible about a scene on stderr, one paragraph each, also with `--quiet`."""
-        console = Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
         for warning in scene.warnings:
-            say(console, visible(f"warning: {scene.name}: {warning}"))
+            self.warn_of(scene.name, warning)
+
+    def warn_of(self, what: str, warning: str) -> None:
+        """Print one warning on stderr, with what it is about, also with `--quiet`."""
+        console = Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
+        say(console, visible(f"warning: {what}: {warning}"))
 
     def table(self, table: Table, can_go: Sequence[str] = ()) -> None:
         """Print a table on stdout; `can_go`: columns that a narrow one leaves out without `--long`, the first to go first."""

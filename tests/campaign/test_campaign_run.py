@@ -138,6 +138,15 @@ def test_a_case_s_folder_is_one_of_crosscheck_run(tmp_path: Path, plain_figures:
     assert "two_blocks" in capsys.readouterr().out
 
 
+def test_what_is_implausible_is_told_once_with_its_first_case(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = QUICK.replace('"joint.friction" = [0.3, 0.6]', '"joint.friction" = [0.3, 31.0], "joint.inset" = [0.001, 0.002]')
+    main(["campaign", str(written(tmp_path, text)), "-o", str(tmp_path / "out"), "-q"])
+    [told] = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert told.startswith("warning: two_blocks_friction=31.0_inset=0.001 and 1 more case: joint.friction = 31 is above 1.2, but")
+
+
 def test_two_campaigns_in_one_folder_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     out.mkdir()

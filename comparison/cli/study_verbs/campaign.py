@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from comparison.campaign import (
     Campaign,
     CampaignTable,
+    Case,
     Dask,
     Engine,
     Local,
@@ -46,6 +47,7 @@ def execute(context: Context) -> int:
     folder = (options.output or default_folder(path)).resolve()
     yade = campaign_definition.file.yade and not options.no_yade
     cases = expand(campaign_definition)
+    _warn(cases, context)
     campaign = Campaign(campaign_definition, cases, folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
     with _sigterm_interrupts(), CampaignNarration(context.narrator, campaign_definition.title) as narration:
@@ -56,6 +58,18 @@ def execute(context: Context) -> int:
     else:
         show(table, context)
     return exit_code(table)
+
+
+def _warn(cases: list[Case], context: Context) -> None:
+    """Print what is implausible about the scenes of a campaign, each warning once, with the first case that it is about."""
+    runs = {case.run.name: case.run for case in cases}
+    about: dict[str, list[str]] = {}
+    for name, run in runs.items():
+        for warning in run.warnings:
+            about.setdefault(warning, []).append(name)
+    for warning, names in about.items():
+        others = f" and {plural(len(names) - 1, 'more case')}" if len(names) > 1 else ""
+        context.warn_of(f"{names[0]}{others}", warning)
 
 
 @contextlib.contextmanager
