@@ -55,7 +55,9 @@ def folder_of_results(folder: Path | str) -> Path:
 
 
 def require_folder_of(path: Path) -> None:
-    """Raise SceneError for a file to write whose folder does not exist, or in whose place a folder stands."""
+    """Raise SceneError for a file to write whose folder does not exist or is a file, or in whose place a folder stands."""
+    if path.parent.is_file():
+        raise SceneError(str(path), f"{path.parent} is a file, and not a folder for another file", hint="name a file in a folder")
     if not path.parent.is_dir():
         raise SceneError(str(path), f"its folder {path.parent} does not exist", hint="make that folder first, or name another file")
     if path.is_dir():

@@ -11,6 +11,7 @@ import scenes
 from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import USAGE
 
 
 def failing_writes(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Iterator[int]:
@@ -156,8 +157,14 @@ def test_a_folder_that_cannot_be_written_is_named(where: str, tmp_path: Path, ca
     one_message(capsys.readouterr().err, str(out))
 
 
-@pytest.mark.parametrize("command", [["show", "two_pads"], ["solve", "two_pads"], ["export", "two_pads"]])
-def test_an_output_that_cannot_be_written_is_named(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("command", "code", "words"),
+    [("show", USAGE, "is a file, and not a folder"), ("solve", USAGE, "is a file, and not a folder"), ("export", TOOL, "Not a directory")],
+)
+def test_an_output_that_cannot_be_written_is_named(
+    command: str, code: int, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file that is requested below another one is refused before the work."""
     (tmp_path / "file").touch()
-    assert main([*command, "-q", "-o", str(tmp_path / "file" / "figure.png")]) == TOOL
-    one_message(capsys.readouterr().err, str(tmp_path / "file"), "Not a directory")
+    assert main([command, "two_pads", "-q", "-o", str(tmp_path / "file" / "figure.png")]) == code
+    one_message(capsys.readouterr().err, str(tmp_path / "file"), words)
