@@ -137,11 +137,11 @@ def share_of(difference: Any, value: Any, digits: int = 2) -> str:
     return f"{NEARLY_ZERO if 0.0 < abs(share) < LEAST_SHARE else signed(share, digits)} %"
 
 
-def percent(share: float | None) -> str:
-    """Return a share in per cent with two significant digits, from 100 % on without decimals, or a dash where it is undefined."""
+def percent(share: float | None, digits: int = 2) -> str:
+    """Return a share in per cent with some significant digits, from 100 % on without decimals, or a dash where it is undefined."""
     if share is None or not math.isfinite(share):
         return DASH
-    return f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.{digits}g} %"
 
 
 def plural(count: int, word: str) -> str:

@@ -31,7 +31,7 @@ def coordinate_text(value: float, places: int = PLACES) -> str:
 
     Digits beyond PLACES are round-off that reading a drawing or closing its joints leaves.
     """
-    text = f"{round(value, PLACES) + 0.0:.{places}f}"
+    text = f"{round(value, min(places, PLACES)) + 0.0:.{places}f}"
     return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
 
 

@@ -76,19 +76,24 @@ def title_of_values(rows: Iterable[Row]) -> str:
 
 
 def prediction(row: Row) -> str:
-    """Return the column of the reaction that YADE is compared with: Coulomb's if it exists, else the associated least.
+    """Return the column of the prediction: Coulomb's if it exists, else the associated least."""
+    return "coulomb" if exists(row.get("coulomb")) else "least"
 
-    Where the methods agree on the value after turning blocks have released a thrust, YADE is compared with this value.
+
+def compared_with(row: Row) -> str:
+    """Return the column that YADE's reaction is compared with: the prediction.
+
+    Where the methods agree on the value after turning blocks have released a thrust, it is this value.
     """
-    first = "coulomb" if exists(row.get("coulomb")) else "least"
+    first = prediction(row)
     released = _deviation(row, "coulomb_released")
     is_released = row.get("verdict") == "agree" and released is not None and released <= 1.0 < (_deviation(row, first) or 0.0)
     return "coulomb_released" if is_released else first
 
 
 def difference(row: Row) -> float | None:
-    """Return YADE's reaction minus the prediction (N or N m); None if one of them is undefined."""
-    return _difference(row, prediction(row))
+    """Return YADE's reaction minus the value that it is compared with (N or N m); None if one of them is undefined."""
+    return _difference(row, compared_with(row))
 
 
 def _difference(row: Row, column: str) -> float | None:
@@ -113,11 +118,11 @@ def least_tolerance(row: Row) -> float:
 
 
 def deviation(row: Row) -> float | None:
-    """Return |YADE - prediction| over its tolerance; None where undefined.
+    """Return the size of the difference over its tolerance; None where undefined.
 
     Tolerance: 0.5 % of YADE's reaction, at least `least_tolerance`, plus the uncertainties that both state.
     """
-    return _deviation(row, prediction(row))
+    return _deviation(row, compared_with(row))
 
 
 def _deviation(row: Row, column: str) -> float | None:

@@ -13,7 +13,7 @@ from comparison.judge.checks.tolerances import LEAST_REACTION, least_reaction
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.verdict import BEARS_NOTHING, Check, Conclusion, conclusion, named_blocks
+from comparison.verdict import BEARS_NOTHING, CARRIED_OUT, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
@@ -96,7 +96,7 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
     stands_sharp = analysis.sharp.bounds[analysis.main].status is Status.SOLVED
     rounded = analysis.assembly.inset if falling is not None and stands_sharp else 0.0
     cause = "" if falling is None else _missing_joints(analysis.whole, falling)
-    has_run = yade is None or yade["status"] in ("plateau", "no plateau", "collapsed")
+    has_run = yade is None or yade["status"] in CARRIED_OUT
     step = _where_nothing_is_borne(analysis) if has_run else ""
     return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded, cause, step)
 

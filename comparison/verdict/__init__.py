@@ -2,11 +2,12 @@
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
 from comparison.verdict.check_table import Checks
-from comparison.verdict.conclusion import BEARS_NOTHING, HARDER, Conclusion, conclusion, named_blocks
+from comparison.verdict.conclusion import BEARS_NOTHING, CARRIED_OUT, HARDER, Conclusion, conclusion, named_blocks
 from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
 __all__ = [
     "BEARS_NOTHING",
+    "CARRIED_OUT",
     "HARDER",
     "VERDICTS",
     "VERDICT_HEADINGS",

@@ -23,7 +23,7 @@ class Verdict(enum.StrEnum):
     EXPECTED_MET
         Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
     UNEXPECTED
-        Limit analysis does not meet the value that the scene expects. As the verdict of a comparison: YADE was not run.
+        Limit analysis does not meet the value that the scene expects. As the verdict of a comparison: YADE has no result.
     CANNOT_STAND
         The structure has no equilibrium under its weight and dead loads, and YADE does not contradict this.
     """

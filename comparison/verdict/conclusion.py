@@ -30,6 +30,7 @@ BEARS_NOTHING = (
     "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
 )
+CARRIED_OUT = ("plateau", "no plateau", "collapsed")  # statuses of a run of YADE that came to its end
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.UNEXPECTED: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
@@ -87,8 +88,7 @@ def conclusion(
         Next step of an inconclusive verdict, in place of the checks' own; "" where theirs help.
     """
     verdict, reason = overall(checks)
-    has_run = yade is not None and yade.get("status") != "missing"
-    if verdict is Verdict.UNEXPECTED and has_run:
+    if verdict is Verdict.UNEXPECTED and yade is not None and yade.get("status") in CARRIED_OUT:
         verdict = Verdict.DISAGREE  # YADE's agreement does not make up for a value that the scene expects and limit analysis misses
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict not in SEVERE[0]:

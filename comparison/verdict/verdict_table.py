@@ -23,7 +23,7 @@ VERDICTS = {  # sign and words of a comparison's verdict
     "disagree": ("✗", "disagree"),
     "inconclusive": ("?", "inconclusive"),
     "expected": ("○", "expected value met (YADE not run)"),
-    "unexpected": ("⊗", "expected value not met (YADE not run)"),
+    "unexpected": ("⊗", "expected value not met (no result of YADE)"),
     "cannot stand": ("↓", "cannot stand"),
     None: (DASH, "not compared"),
 }

@@ -46,7 +46,8 @@ class PredictionSettings:
     ----------
     viscosities : tuple of float
         First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first; more for large
-        structures. Where paths disagree, one with a tenth of the least viscosity follows, if the effort allows.
+        structures. Where paths disagree, one with a tenth of the least viscosity follows, if the effort allows. Where the value after a
+        release is uncertain, one follows that takes finer steps, too.
     finer : float
         Factor by which the limits of a step are divided.
     effort : float

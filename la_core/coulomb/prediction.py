@@ -132,19 +132,27 @@ def _followed_from_rest(
     if not followed:
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
-    unknown = solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value))  # blocks fall on one path
-    if unknown or (joints.live and _is_held_back(solution)):
+    if _falls(joints, solution):
         return _of_falling_blocks(assembly, start, iterations)
     has_one_value = relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
     if settings.with_release and not has_one_value:
         after = released(joints, stiffness, followed, settings, progress)
         if after.is_doubtful and not disagree(followed) and not followed[-1].exhausted:
-            more = _finer_path(joints, tangent, rest, followed, settings, progress)
-            iterations += sum(path.iterations for path in more)
-            solution = _answer(joints, stiffness, [*followed, *more])
+            finer = _finer_path(joints, tangent, rest, followed, settings, progress)
+            iterations += 0 if finer is None else finer.iterations
+            if finer is not None and not finer.exhausted:
+                solution = _answer(joints, stiffness, [*followed, finer])
+            if _falls(joints, solution):
+                return _of_falling_blocks(assembly, start, iterations + after.iterations)
         solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state)
         iterations += after.iterations
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
+
+
+def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:
+    """Whether blocks fall on one path of a solution, or are held by a load that they do not carry from rest."""
+    size = max(abs(joints.value_in_units(1.0)), abs(solution.value))
+    return solution.uncertainty > UNKNOWN * size or (joints.live and _is_held_back(solution))
 
 
 def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> CoulombSolution:
@@ -195,12 +203,11 @@ def _finer_path(
     followed: list[FollowedPath],
     settings: PredictionSettings,
     progress: SharedProgress,
-) -> list[FollowedPath]:
-    """Return one more path, in finer steps and with less viscosity; none where its effort ends before its plateau is known."""
+) -> FollowedPath | None:
+    """Return one more path, in finer steps and with less viscosity; None where it cannot go on."""
     finer = replace(settings, finer=FINER_STEPS * settings.finer)
     viscosity, least = settings.viscosities_in_turn[-1], max(path.plateau.travel for path in followed)
-    one = follow(joints, tangent, rest, viscosity, finer, least, *progress.senders_of_more([viscosity]))
-    return [] if one is None or one.exhausted else [one]
+    return follow(joints, tangent, rest, viscosity, finer, least, *progress.senders_of_more([viscosity]))
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:

@@ -18,13 +18,13 @@ _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMAT
             ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
 _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
-    (r"=[^\"']*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
+    (r"=[^\"'#]*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
     (r"=\s*[-+]?\d{1,3}([.' ]\d{3})+(,\d+)?\s*(#.*)?$", "write numbers with a decimal point and no other mark, as in 2200.5"),
     (r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", r"write numbers with a decimal point, \1.\2"),
     (_NUMBER + "(degrees?|deg|°)", r"write the number alone, \1; the friction is the tangent of the angle"),
     (_NUMBER + "%", "write the number alone, as a share of one: 0.6 for 60 %"),
     (r";\s*(#.*)?$", "a line ends without a semicolon"),
-    (_NUMBER + r"([^\W\d_][\w/³²]*)", r"write the number alone, \1; all numbers are in SI units (m, kg, N)"),
+    (_NUMBER + r"(?!e[-+]?\d)([^\W\d_][\w/³²]*)", r"write the number alone, \1; all numbers are in SI units (m, kg, N)"),
     (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
 )
 _TABLE_TWICE = "a table in single brackets stands once; tables of which a scene may have several have double brackets, as [[block]]"

@@ -20,7 +20,16 @@ from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
-from comparison.campaign.row_values import bounds, deviation, interval, over_weight, prediction, title_of_values, value_cells, worst_first
+from comparison.campaign.row_values import (
+    bounds,
+    compared_with,
+    deviation,
+    interval,
+    over_weight,
+    title_of_values,
+    value_cells,
+    worst_first,
+)
 from comparison.judge.checks.tolerances import least_reaction
 from comparison.judge.summary import comparison_summary
 from comparison.verdict import verdict_title
@@ -55,9 +64,9 @@ def test_cases_that_nothing_tells_apart_keep_the_order_of_the_campaign() -> None
 def test_where_both_methods_agree_after_a_release_yade_is_compared_with_this_value(tmp_path: Path) -> None:
     row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 440.0, "verdict": "agree"}
     released = {"coulomb_released": 399.0, "coulomb_released_uncertainty": 2.0}
-    assert prediction(row | released) == "coulomb_released" and deviation(row | released) == pytest.approx(1.0 / 6.0)
-    assert prediction(row | released | {"verdict": "inconclusive"}) == prediction(row | released | {"yade": 439.0}) == "coulomb"
-    assert prediction(row | released | {"coulomb_released": 380.0}) == prediction(row) == "coulomb"
+    assert compared_with(row | released) == "coulomb_released" and deviation(row | released) == pytest.approx(1.0 / 6.0)
+    assert compared_with(row | released | {"verdict": "inconclusive"}) == compared_with(row | released | {"yade": 439.0}) == "coulomb"
+    assert compared_with(row | released | {"coulomb_released": 380.0}) == compared_with(row) == "coulomb"
 
 
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:

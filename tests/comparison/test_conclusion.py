@@ -58,22 +58,23 @@ def test_one_method_alone_that_misses_the_expected_value_disagrees_with_nobody(p
     assert (summary["verdict"], summary["reason"]) == ("unexpected", "Another value was expected.")
     assert summary["next_step"] == "Look at its source." and EXIT_OF_VERDICT["unexpected"] == EXIT_OF_VERDICT["disagree"] == 1
     view = view_of_scene(tmp_path, 1, summary, NEWTON)
-    assert (view["symbol"], view["word"]) == ("⊗", "expected value not met (YADE not run)")
+    assert (view["symbol"], view["word"]) == ("⊗", "expected value not met (no result of YADE)")
     assert view["sentence"].startswith("Another value was expected.")
     assert {(check["symbol"], check["word"]) for check in view["checks"]} == {("✗", "not met")}
 
 
 def test_an_expected_value_that_is_missed_counts_with_yade_and_without_it(pads: LimitAnalysis) -> None:
-    """YADE that agrees does not make up for it; where YADE is missing, no second method disagrees."""
+    """YADE that agrees does not make up for it; where YADE has no result, no second method disagrees."""
     missed = Check("expected reaction", Verdict.UNEXPECTED, reason="Another value was expected.", next_step="Look at its source.")
     good, bad = Check("reaction", Verdict.AGREE), Check("reaction", Verdict.DISAGREE, reason="YADE says more.")
     found = conclusion([missed, good], {"status": "plateau"})
     assert (found.verdict, found.reason, found.next_step) == (Verdict.DISAGREE, "Another value was expected.", "Look at its source.")
     assert conclusion([missed, bad], {"status": "plateau"}).reason == "Another value was expected. YADE says more."
     no_run = Check("YADE's run", Verdict.INCONCLUSIVE, reason="no program yade", next_step="Install YADE.")
-    alone = conclusion([missed, no_run], {"status": "missing"})
-    assert (alone.verdict, alone.reason, alone.next_step) == (Verdict.UNEXPECTED, "Another value was expected.", "Look at its source.")
-    assert conclusion([no_run], {"status": "missing"}).verdict is Verdict.INCONCLUSIVE
+    for status in ("missing", "failed", "timeout"):
+        alone = conclusion([missed, no_run], {"status": status})
+        assert (alone.verdict, alone.reason, alone.next_step) == (Verdict.UNEXPECTED, "Another value was expected.", "Look at its source.")
+        assert conclusion([no_run], {"status": status}).verdict is Verdict.INCONCLUSIVE
 
 
 def test_without_an_expected_value_nothing_was_compared(pads: LimitAnalysis) -> None:

@@ -198,6 +198,8 @@ def test_the_place_of_a_support_has_no_round_off() -> None:
     rows = dict(input_rows(comparison | {"structure": facts}, Units(1000.0)))
     assert rows["support"] == "pad: x 0 to 0.55 m, y 0 to 0.4 m, z −0.3 to 0 m"
     assert 'the support ("pad", x = 0 to 0.55 m)' in " ".join(plain_words(comparison, Units(1000.0)))
+    long = {"names": ["pad"], "low": [-0.0004, 0.0, -0.3], "high": [2.0, 0.4, 0.0]}
+    assert "x = 0 to 2 m" in " ".join(plain_words(comparison | {"structure": FACTS | {"support": long}}, Units(1000.0)))
 
 
 def test_a_place_far_from_the_origin_is_given_as_exactly_as_one_near_it() -> None:

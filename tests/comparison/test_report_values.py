@@ -195,7 +195,7 @@ def test_an_expected_moment_over_the_weight_is_a_length() -> None:
     assert row["name"] == "R / W, m"
     assert row["found"] == pytest.approx(0.1, abs=1e-6)  # W / 6 acts 0.6 m from the axis
     (check,) = check_expected(analysis)
-    assert check.unit == "m, over W"
+    assert check.unit == "m (R/W)"
 
 
 def test_a_row_writes_all_numbers_alike() -> None:

@@ -82,6 +82,26 @@ def test_where_the_value_after_a_release_stays_uncertain_a_path_in_finer_steps_i
     assert abs(finer.value - both.value) <= both.uncertainty * (1.0 + 1e-6)
 
 
+@pytest.mark.parametrize("falls", [False, True])
+def test_a_finer_path_that_falls_leaves_no_value_and_one_without_an_end_does_not_count(
+    falls: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The work of either counts; blocks that fall on one path leave no value, as where two paths are followed."""
+    made = []
+
+    def follow(joints, *given):
+        made.append(path := sharp_path.follow(joints, *given))
+        if len(made) < 3:
+            return path
+        return replace(path, plateau=replace(path.plateau, value=1e6)) if falls else replace(path, exhausted=True)
+
+    monkeypatch.setattr(prediction, "follow", follow)
+    coulomb = analyse(drawn(47, 20261128).scene).coulomb
+    assert coulomb is not None and len(made) == 3 and coulomb.iterations > sum(path.iterations for path in made)
+    assert (coulomb.status is Status.FAILED) is falls and math.isinf(coulomb.uncertainty) is falls
+    assert falls or len(coulomb.viscosities) == 2
+
+
 def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
     scene = scenes.shipped("wall_third")
     coulomb = predicted(scene)

@@ -12,7 +12,7 @@ from matplotlib.ticker import NullLocator
 from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import MARKERS, NARROW
 from comparison.campaign.parameter_labels import quantity
-from comparison.campaign.row_values import Row, bounds, interval, over_weight, prediction, sweep_of
+from comparison.campaign.row_values import Row, bounds, compared_with, interval, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.judge import FLOOR
 from comparison.numbers import percent
@@ -37,17 +37,17 @@ def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
     unit: of the reactions, empty for multipliers. Horizontal bars are the mechanism's interval and, pale, R_min to R_max; vertical bars
     are YADE's uncertainty.
     """
-    both = [row for row in rows if exists(over_weight(row, prediction(row))) and exists(over_weight(row, "yade"))]
+    both = [row for row in rows if exists(over_weight(row, compared_with(row))) and exists(over_weight(row, "yade"))]
     if not both:
         return None
     figure, (left, right) = shared_axes.panel_figure(2, 4.6)
     scenes = list(dict.fromkeys(sweep_of(row) for row in both))
-    largest = max(abs(_value(row, name)) for row in both for name in (prediction(row), "yade"))
+    largest = max(abs(_value(row, name)) for row in both for name in (compared_with(row), "yade"))
     for row in both:
         style = _style(row, scenes, SIZE if len(both) < MANY else SMALL)
         _draw_bars(left, row, bounded=len(both) <= BOUNDED)
-        left.plot([_value(row, prediction(row))], [_value(row, "yade")], **style)
-        if abs(_value(row, prediction(row))) > FAINTLY * largest:
+        left.plot([_value(row, compared_with(row))], [_value(row, "yade")], **style)
+        if abs(_value(row, compared_with(row))) > FAINTLY * largest:
             _draw_difference(right, row, style)
     _finish(left, right, both, quantity(unit))
     shared_axes.legend(figure, [*_scene_handles(scenes), *_verdict_handles(both), *_bar_handles(both)])
@@ -71,17 +71,18 @@ def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
 
 def _draw_bars(axes: Any, row: Row, bounded: bool) -> None:
     """Draw bounds and interval as horizontal bars, YADE's uncertainty as a vertical bar."""
-    at, yade = _value(row, prediction(row)), _value(row, "yade")
+    at, yade = _value(row, compared_with(row)), _value(row, "yade")
     if bounded:
         axes.plot(np.clip(bounds(row), -OUTSIDE, OUTSIDE), [yade, yade], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
     style = {"linewidth": 1.6} if bounded else {"linewidth": 0.7, "alpha": 0.5}
-    axes.plot(np.clip(interval(row), -OUTSIDE, OUTSIDE), [yade, yade], color=LIMIT_ANALYSIS, zorder=2, **style)
+    if compared_with(row) == prediction(row):  # the interval of a mechanism after a release is unknown
+        axes.plot(np.clip(interval(row), -OUTSIDE, OUTSIDE), [yade, yade], color=LIMIT_ANALYSIS, zorder=2, **style)
     uncertainty = _value(row, "yade_uncertainty")
     axes.plot([at, at], [yade - uncertainty, yade + uncertainty], color=YADE, linewidth=1.8, zorder=4)
 
 
 def _draw_difference(axes: Any, row: Row, style: dict[str, Any]) -> None:
-    at = _value(row, prediction(row))
+    at = _value(row, compared_with(row))
     apart, wide = (100.0 * value / abs(at) for value in (_value(row, "yade") - at, _value(row, "yade_uncertainty")))
     axes.plot([at, at], [apart - wide, apart + wide], color=YADE, linewidth=1.8, zorder=4)
     axes.plot([at], [apart], **style)
@@ -107,14 +108,15 @@ def _finish(left: Any, right: Any, rows: list[Row], words: str) -> None:
     )
     right.yaxis.set_minor_locator(NullLocator())
     right.set_ylabel("YADE minus prediction (% of the prediction)", fontsize=9)
+    after = ", after a release where both agree on it" if any(compared_with(row) != prediction(row) for row in rows) else ""
     for axes in (left, right):
-        axes.set_xlabel(f"limit analysis' prediction: {words}", fontsize=9)
+        axes.set_xlabel(f"limit analysis' prediction{after}: {words}", fontsize=9)
 
 
 def _range(rows: list[Row]) -> tuple[float, float]:
     """Return the range of the axes: all values with YADE's uncertainty, and zero unless all are far from it."""
     ends = [_value(row, "yade") + sign * _value(row, "yade_uncertainty") for row in rows for sign in (-1.0, 1.0)]
-    values = [value for value in (*ends, *(_value(row, name) for row in rows for name in (prediction(row), "yade"))) if exists(value)]
+    values = [value for value in (*ends, *(_value(row, name) for row in rows for name in (compared_with(row), "yade"))) if exists(value)]
     low, high = min(values), max(values)
     largest = max(abs(low), abs(high)) or 1.0
     if high - low >= FAR * largest:

@@ -11,7 +11,7 @@ from comparison.campaign.report import rows
 from comparison.campaign.report.verdict_matrix import matrix_panels
 from comparison.campaign.report.yade_versions import with_versions
 from comparison.campaign.row_groups import sweeps_of
-from comparison.campaign.row_values import deviation, difference, failed, prediction, worst_first
+from comparison.campaign.row_values import compared_with, deviation, difference, failed, worst_first
 from comparison.campaign.table import CampaignTable
 from comparison.judge import without_undefined
 from comparison.report import flat, template_environment
@@ -48,7 +48,7 @@ def stored_campaign_report(table: CampaignTable) -> dict[str, Any]:
     sweeps = sweeps_of(table)
     lettered = letters(sweeps)
     worst = [
-        {"case": row.get("case"), "prediction": prediction(row), "difference": difference(row), "deviation": deviation(row)}
+        {"case": row.get("case"), "prediction": compared_with(row), "difference": difference(row), "deviation": deviation(row)}
         for row in worst_first([row for row in table.rows if not failed(row)])
     ]
     return dict(

@@ -13,6 +13,7 @@ from comparison.campaign.row_values import (
     METHODS,
     WORDS,
     Row,
+    compared_with,
     costs_once,
     deviation,
     difference,
@@ -21,7 +22,6 @@ from comparison.campaign.row_values import (
     link,
     over_weight,
     own_folder,
-    prediction,
     sweep_of,
     uncertainty_of,
     worst_first,
@@ -54,7 +54,7 @@ def compared(table: CampaignTable) -> list[Words]:
 
 
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
-    predicted, apart = prediction(row), difference(row)
+    predicted, apart = compared_with(row), difference(row)
     comparable = abs(row.get(predicted) or 0.0) > least_tolerance(row)  # a share of nothing is no number
     sign, word = verdict_symbol(row)
     plateaus = row.get("coulomb_plateaus")

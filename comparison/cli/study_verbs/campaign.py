@@ -34,6 +34,7 @@ from la_core.errors import SceneError
 from la_core.side_by_side import cores
 
 NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
+MOST_WARNINGS = 10  # on a terminal
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
@@ -62,14 +63,15 @@ def execute(context: Context) -> int:
 
 def _warn(cases: list[Case], context: Context) -> None:
     """Print what is implausible about the scenes of a campaign, each warning once, with the first case that it is about."""
-    runs = {case.run.name: case.run for case in cases}
     about: dict[str, list[str]] = {}
-    for name, run in runs.items():
-        for warning in run.warnings:
-            about.setdefault(warning, []).append(name)
-    for warning, names in about.items():
+    for case in cases:
+        for warning in case.run.warnings:
+            about.setdefault(warning, []).append(case.name)
+    for warning, names in list(about.items())[:MOST_WARNINGS]:
         others = f" and {plural(len(names) - 1, 'more case')}" if len(names) > 1 else ""
         context.warn_of(f"{names[0]}{others}", warning)
+    if len(about) > MOST_WARNINGS:
+        context.warn_of(plural(len(about) - MOST_WARNINGS, "more warning"), "the reports of the cases have them all.")
 
 
 @contextlib.contextmanager

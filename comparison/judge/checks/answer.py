@@ -38,7 +38,7 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
         (f"expected associated {scene.quantity}", associated, main),
         ("expected greatest reaction", expected.reaction_max_over_weight, greatest),
     )
-    over_weight = "m, over W" if scene.is_rotation else "of W"  # a turning support's reaction is a moment
+    over_weight = "m (R/W)" if scene.is_rotation else "of W"  # a turning support's reaction is a moment
     divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, over_weight)
     for name, number, solution in comparisons:
         if number is not None and solution is not None:

@@ -96,7 +96,7 @@ def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
     if finite_or_none(found.drift) is not None:
         least = LEAST_TURNOVER * assembly.weight * assembly.support_speed * abs(float(run.poses.settlement[-1] - run.poses.settlement[0]))
         drift = found.drift * found.turnover / max(found.turnover, least)
-        share = f"{percent(abs(drift))} of the energy turned over in YADE's run is not accounted for ({percent(DRIFT)} accepted)"
+        share = f"{percent(abs(drift), 3)} of the energy turned over in YADE's run is not accounted for ({percent(DRIFT)} accepted)"
         falls = found.kinetic > DRIFT * max(found.turnover, least)
         cause, advice = (FALLS, LOOK_FOR_FALL) if falls else (IN_DOUBT, SHORTER_STEP)
         verdict, message, step = (Verdict.AGREE, "", "") if abs(drift) <= DRIFT else (Verdict.INCONCLUSIVE, f"{share}{cause}", advice)

@@ -154,7 +154,7 @@ def _difference_words(results: Results, prediction: Prediction) -> str:
 def _unsure_words(unsure: Unsure, unit: str) -> str:
     size, allowed = (f"{format_number(value, 3)} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
     named = "YADE" if unsure.method == "YADE" else "Limit analysis"
-    return f"{named} states an uncertainty of {size} ({percent(unsure.share)}), too large to decide by ({allowed} allowed)."
+    return f"{named} states an uncertainty of {size} ({percent(unsure.share, 3)}), too large to decide by ({allowed} allowed)."
 
 
 def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]:

@@ -13,7 +13,7 @@ from comparison.judge.checks.reduced_model import check_displacement, check_plan
 from comparison.judge.checks.sections import check_sections
 from comparison.judge.checks.tolerances import falls_slowly, reaction_tolerance, unbalanced
 from comparison.numbers import format_number, plural
-from comparison.verdict import Check, Verdict, inside, named_blocks, within
+from comparison.verdict import CARRIED_OUT, Check, Verdict, inside, named_blocks, within
 from comparison.yade import Results, Run
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
@@ -29,7 +29,7 @@ def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
-    if run.status not in ("plateau", "no plateau", "collapsed"):
+    if run.status not in CARRIED_OUT:
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
         step = next_steps.MORE_TIME if run.status == "timeout" else next_steps.REPAIR_YADE
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]

@@ -8,7 +8,7 @@ import shapely
 from la_core.geometry import Blocks, face_corners, face_polygons, near_pairs, opposite_faces, overlap_of, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
-STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 800
+STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off

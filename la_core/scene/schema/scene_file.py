@@ -207,7 +207,7 @@ class RequestedEffects(Table):
 class Expected(Table):
     """The known answer for sharp edges (inset 0), and its source; limit analysis is checked with it. At least one value is needed."""
 
-    reaction_over_weight: Real | None = described("R/W with the scene's own friction, of a turning support in m", default=None)
+    reaction_over_weight: Real | None = described("R/W with the scene's own friction; in m where the support turns", default=None)
     reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)
     multiplier: Real | None = described(
         "collapse multiplier of a live load, or tangent of the tilt, with the scene's own friction", default=None
