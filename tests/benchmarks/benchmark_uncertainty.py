@@ -22,10 +22,14 @@ from la_core.coulomb import CoulombSolution, PredictionSettings
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "uncertainty.md"
 SEEDS = (20261129, 20261130, 20261131)
-FINER = 3.0  # factor by which the limits of a step are divided on the paths that test a prediction
-REFERENCE = PredictionSettings((1e-3, 1e-4), FINER, 5.0 * PredictionSettings.effort)
+# Factor by which the limits of a step are divided on the paths that test a prediction; on those that test one with a third path,
+# which has finer steps itself.
+FINER, FINEST = 3.0, 10.0
+EFFORT = 5.0 * PredictionSettings.effort
+REFERENCES = {2: PredictionSettings((1e-3, 1e-4), FINER, EFFORT), 3: PredictionSettings((1e-4, 1e-5), FINEST, EFFORT)}  # by its paths
 LEAST = 0.01  # of the weight: smaller reactions count as this
 FLOOR = 1e-5  # of the weight: smaller differences count as none
+SAME = 1e-9  # of the weight: both values are one
 KNOWN = 1e-2  # of the reaction: largest uncertainty by which the judge decides
 Entry = dict[str, Any]
 HEAD = f"""# Does the stated uncertainty hold?
@@ -33,8 +37,8 @@ HEAD = f"""# Does the stated uncertainty hold?
 Every prediction states its uncertainty before YADE runs, from its own paths alone. Here irregular random scenes test it: unequal blocks,
 leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. The
 [test on regular walls](friction.md#the-accuracy-of-the-prediction) is another one. The reference follows paths in steps {FINER:g} times
-finer, with a tenth of the viscosity. It shares model and method with what it tests; YADE tests these on [other](verdicts.md)
-[random](fresh_verdicts.md) [scenes](third_verdicts.md).
+finer, with a tenth of the viscosity. Where a prediction has a third path, they are {FINEST:g} times finer, with a hundredth. It shares
+model and method with what it tests; YADE tests these on [other](verdicts.md) [random](fresh_verdicts.md) [scenes](third_verdicts.md).
 
 Written by `python tests/benchmarks/benchmark_uncertainty.py` (half an hour on one core) from scenes that had no part in any method.
 """
@@ -48,8 +52,10 @@ are not solved. *s*, *reference s*: seconds of limit analysis for all scenes, on
 def measured(number: int, seed: int) -> Entry:
     """Predict a scene by default and along finer paths; values over the weight."""
     one = drawn(number, seed)
-    answers = [analyse(one.scene).coulomb, analyse(one.scene, AnalysisSettings(prediction=REFERENCE)).coulomb]
-    entry: Entry = {"seed": seed, "number": number, "kind": one.kind, "motion": one.motion}
+    default = analyse(one.scene).coulomb
+    paths = 2 if default is None else len(default.viscosities)
+    answers = [default, analyse(one.scene, AnalysisSettings(prediction=REFERENCES[paths])).coulomb]
+    entry: Entry = {"seed": seed, "number": number, "kind": one.kind, "motion": one.motion, "paths": paths}
     return entry | {name: _values(answer, one.scene.weight) for name, answer in zip(("default", "reference"), answers, strict=True)}
 
 
@@ -105,6 +111,7 @@ def page(entries: list[Entry]) -> str:
     beyond = sorted((entry for entry in both if excess(entry) > 1.0), key=excess, reverse=True)
     wrong = [entry for entry in beyond if share(entry, abs(entry["default"]["value"] - entry["reference"]["value"])) > KNOWN]
     holds = len(both) - len(beyond)
+    same = sum(abs(entry["default"]["value"] - entry["reference"]["value"]) <= SAME for entry in both)
     headings = ("scenes", "holds", "worst excess", "median stated", "90 % within", "unsure", "s", "reference s")
     kinds = [row(kind, [entry for entry in both if entry["kind"] == kind]) for kind in KINDS]
     cells = [
@@ -119,7 +126,9 @@ def page(entries: list[Entry]) -> str:
     found = [
         f"- {len(both)} of {len(entries)} scenes have both predictions; seeds {', '.join(map(str, sorted({e['seed'] for e in entries})))}.",
         f"- The stated uncertainty holds on {holds} of them ({100.0 * holds / len(both):.3g} %); it is meant to hold on 19 of 20.",
-        f"- On {len(wrong)} of the others the difference is larger than {100 * KNOWN:g} % of the reaction.",
+        f"- On {same} scenes both values are one, to {SAME:g} of the weight: the way hardly matters there. Of the other "
+        f"{len(both) - same} it holds on {holds - same} ({100.0 * (holds - same) / (len(both) - same):.3g} %).",
+        f"- On {len(wrong)} of the {len(beyond)} where it does not hold the difference is larger than {100 * KNOWN:g} % of the reaction.",
     ]
     parts = [HEAD.rstrip("\n"), "\n".join(found), table(headings, [*kinds, row("all", both)]), LEGEND.rstrip("\n")]
     if beyond:
