@@ -22,8 +22,8 @@ STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in 
 SLOWER = 2.0  # times the duration of YADE's travel
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # that a scene may set itself
 DAMPED = 1.0  # damping ratio at the contacts: a light damping can jump over a state where the joints would have held
-# Times the seconds of one attempt of YADE's first run, which may have made up to five before it knew how stiff and how damped to be. Of 14
-# scenes a second run took 1.4 to 19 times as long, 10 in the median. One that takes longer than it may is stopped.
+# Times the seconds of one attempt of YADE's first run, which may have made up to five before it knew how stiff and how damped to be. On
+# 14 scenes a second run took 1.4 to 19 times as long as such an attempt, 10 in the median. One that takes longer than it may is stopped.
 DEARER = 10.0
 DEARER_PATHS = 8.0  # times the seconds of the first prediction
 OPEN = (Verdict.DISAGREE, Verdict.UNEXPECTED, Verdict.INCONCLUSIVE)  # verdicts that call for a second attempt

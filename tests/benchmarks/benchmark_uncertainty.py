@@ -26,7 +26,7 @@ SEEDS = (20261129, 20261130, 20261131)
 # which has finer steps itself.
 FINER, FINEST = 3.0, 10.0
 EFFORT = 5.0 * PredictionSettings.effort
-REFERENCES = {2: PredictionSettings((1e-3, 1e-4), FINER, EFFORT), 3: PredictionSettings((1e-4, 1e-5), FINEST, EFFORT)}  # by its paths
+OF_TWO, OF_THREE = PredictionSettings((1e-3, 1e-4), FINER, EFFORT), PredictionSettings((1e-4, 1e-5), FINEST, EFFORT)  # paths
 LEAST = 0.01  # of the weight: smaller reactions count as this
 FLOOR = 1e-5  # of the weight: smaller differences count as none
 SAME = 1e-9  # of the weight: both values are one
@@ -53,8 +53,8 @@ def measured(number: int, seed: int) -> Entry:
     """Predict a scene by default and along finer paths; values over the weight."""
     one = drawn(number, seed)
     default = analyse(one.scene).coulomb
-    paths = 2 if default is None else len(default.viscosities)
-    answers = [default, analyse(one.scene, AnalysisSettings(prediction=REFERENCES[paths])).coulomb]
+    paths = 0 if default is None else len(default.viscosities)
+    answers = [default, analyse(one.scene, AnalysisSettings(prediction=OF_THREE if paths > 2 else OF_TWO)).coulomb]
     entry: Entry = {"seed": seed, "number": number, "kind": one.kind, "motion": one.motion, "paths": paths}
     return entry | {name: _values(answer, one.scene.weight) for name, answer in zip(("default", "reference"), answers, strict=True)}
 
@@ -126,7 +126,7 @@ def page(entries: list[Entry]) -> str:
     found = [
         f"- {len(both)} of {len(entries)} scenes have both predictions; seeds {', '.join(map(str, sorted({e['seed'] for e in entries})))}.",
         f"- The stated uncertainty holds on {holds} of them ({100.0 * holds / len(both):.3g} %); it is meant to hold on 19 of 20.",
-        f"- On {same} scenes both values are one, to {SAME:g} of the weight: the way hardly matters there. Of the other "
+        f"- On {same} scenes both values are one, to {format_number(SAME, 1)} of the weight: the way hardly matters there. Of the other "
         f"{len(both) - same} it holds on {holds - same} ({100.0 * (holds - same) / (len(both) - same):.3g} %).",
         f"- On {len(wrong)} of the {len(beyond)} where it does not hold the difference is larger than {100 * KNOWN:g} % of the reaction.",
     ]

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import os
 import signal
+from argparse import Namespace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,9 +15,13 @@ from conftest import Silent
 from faulty_runs import INTERRUPTED
 
 from comparison.campaign import job, table
+from comparison.campaign.cases import expand
+from comparison.campaign.definition import load_campaign
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
 from comparison.campaign_result import read_campaign
 from comparison.cli.commands import main
+from comparison.cli.context import Context
+from comparison.cli.study_verbs.campaign import MOST_WARNINGS, _warn
 from comparison.errors import FolderInUseError
 from comparison.run_folder import REPORTS, alone_in
 from comparison.workflow.one_scene import read_results
@@ -145,6 +150,15 @@ def test_what_is_implausible_is_told_once_with_its_first_case(
     main(["campaign", str(written(tmp_path, text)), "-o", str(tmp_path / "out"), "-q"])
     [told] = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
     assert told.startswith("warning: two_blocks_friction=31.0_inset=0.001 and 1 more case: joint.friction = 31 is above 1.2, but")
+
+
+def test_of_many_warnings_the_first_are_told_and_the_others_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    frictions = [float(angle) for angle in range(30, 43)]
+    path = written(tmp_path, QUICK.replace("[0.3, 0.6]", str(frictions)))
+    _warn(expand(load_campaign(path)), Context.of(Namespace(quiet=True)))
+    told = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert len(told) == MOST_WARNINGS + 1
+    assert told[-1].startswith(f"warning: {len(frictions) - MOST_WARNINGS} more warnings: the reports")
 
 
 def test_two_campaigns_in_one_folder_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,7 +14,7 @@ from turning_scenes import FINITE, OF_YADE, RELEASES, SMALL
 from verdict_scenes import FRESH_SEED, SEED, drawn
 
 import la_core
-from la_core.analysis import AnalysisSettings, analyse
+from la_core.analysis import analyse
 from la_core.analysis.answer import answer_rows
 from la_core.analysis.case_file import read_case, write_case
 from la_core.coulomb import CoulombSolution, PredictionSettings, change_by_release, prediction, release, sharp_path
@@ -72,14 +72,14 @@ def test_the_prediction_itself_does_not_change() -> None:
 
 
 def test_where_the_value_after_a_release_stays_uncertain_a_path_in_finer_steps_is_asked_too() -> None:
-    """Both paths of this wall end at 343 N within 0.5 %, and finer steps at 421 N, as in YADE: one turn of the way decides."""
+    """Both paths of this wall end at 343 N within 0.5 %, and finer steps where YADE does: one turn of the way decides."""
     scene = drawn(47, 20261128).scene
+    yade = 0.011249 * scene.weight  # of comparison/gallery/third_verdicts.json, ± 0.15 %
     both, small = predicted(scene), predicted(la_core.variant(scene, SMALL))
-    finer = analyse(la_core.variant(scene, SMALL), AnalysisSettings(prediction=PredictionSettings((1e-3, 1e-4), finer=3.0))).coulomb
-    assert finer is not None and small.uncertainty < 0.01 * small.value < 0.1 * (finer.value - small.value)
+    assert small.uncertainty < 0.01 * small.value < 0.1 * (yade - small.value)
     assert len(small.viscosities) == 2 and len(both.viscosities) == 3 and both.released_uncertainty > 0.01 * both.released
-    assert finer.value == pytest.approx(both.plateaus[-1], rel=1e-3)
-    assert abs(finer.value - both.value) <= both.uncertainty * (1.0 + 1e-6)
+    assert both.plateaus[-1] == pytest.approx(yade, rel=2e-3)
+    assert abs(both.plateaus[-1] - both.value) <= both.uncertainty * (1.0 + 1e-6)
 
 
 @pytest.mark.parametrize("falls", [False, True])
