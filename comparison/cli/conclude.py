@@ -10,21 +10,27 @@ from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
 from comparison.provenance import describe
-from comparison.report import angle_words, stored_report, write_pdf, write_report
+from comparison.report import angle_words, chosen_head, stored_report, write_pdf, write_report
 from comparison.verdict import Verdict
 
 
-def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context, left_out: Mapping[Path, list[str]] | None = None) -> int:
+def conclude(
+    reports: list[tuple[Path, list[dict[str, Any]]]],
+    context: Context,
+    left_out: Mapping[Path, list[str]] | None = None,
+    keep_head: bool = False,
+) -> int:
     """Write the report of each folder, print verdict tables or one JSON object, and return the most severe exit code.
 
     reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
-    scenes whose results cannot be read.
+    scenes whose results cannot be read. keep_head: whether a report keeps the words that an earlier command chose for its head.
     """
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        head, unread = {name: getattr(context.options, name) or "" for name in HEAD}, (left_out or {}).get(folder, [])
-        stored.append(stored_report(comparisons, describe(), unread))
+        unread, head = (left_out or {}).get(folder, []), chosen_head(folder, comparisons) if keep_head else {}
+        head |= {name: words for name in HEAD if (words := getattr(context.options, name)) is not None}
+        stored.append(stored_report(comparisons, describe(), unread, head))
         if not comparisons:  # the report of earlier results stays where none can be read
             continue
         page = write_report(folder, comparisons, describe(), head, unread)

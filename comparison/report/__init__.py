@@ -5,11 +5,12 @@ from comparison.report.facts import structure_facts
 from comparison.report.paraview import export_results
 from comparison.report.pdf import write_pdf
 from comparison.report.plain_words import angle_words, predicted_value
-from comparison.report.report import stored_report, write_report
+from comparison.report.report import chosen_head, stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
 __all__ = [
     "angle_words",
+    "chosen_head",
     "export_results",
     "flat",
     "predicted_value",

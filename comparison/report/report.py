@@ -13,6 +13,7 @@ from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
 from comparison.verdict import VERDICTS
+from la_core.errors import visible
 from la_core.text_table import exists
 
 LIMITATIONS = (
@@ -88,7 +89,7 @@ def write_report(
     }
     for name in ("report.md", "report.html"):
         write_text(folder / name, template_environment(name).get_template(f"{name}.j2").render(page))
-    stored = stored_report(comparisons, provenance, left_out)
+    stored = stored_report(comparisons, provenance, left_out, head)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
 
@@ -117,9 +118,29 @@ def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
     return datetime.date.fromtimestamp(max(times)).isoformat() if times else ""
 
 
-def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any], left_out: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the content of report.json, with the names of scenes that cannot be read under `left_out`; undefined numbers are None."""
-    return dict(without_undefined({"comparisons": comparisons, "provenance": provenance, "left_out": list(left_out)}))
+def stored_report(
+    comparisons: list[dict[str, Any]], provenance: dict[str, Any], left_out: Sequence[str] = (), head: dict[str, str] | None = None
+) -> dict[str, Any]:
+    """Return the content of report.json; undefined numbers are None.
+
+    It holds the names of scenes that cannot be read under `left_out`, and the chosen words of the head under `head`.
+    """
+    stored = {"comparisons": comparisons, "provenance": provenance, "left_out": list(left_out), "head": head or {}}
+    return dict(without_undefined(stored))
+
+
+def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> dict[str, str]:
+    """Return the words that an earlier command chose for the head of the report in a folder, where that report had all these scenes.
+
+    Words that cannot be read are left out.
+    """
+    try:
+        stored = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        covered = {comparison["scene"] for comparison in stored["comparisons"]}
+        words = {name: visible(text) for name, text in stored["head"].items() if isinstance(text, str)}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # an older report has no words; a damaged one is written anew
+        return {}
+    return words if covered >= {comparison["scene"] for comparison in comparisons} else {}
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

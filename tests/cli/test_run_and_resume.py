@@ -87,6 +87,24 @@ def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
     assert [scene["scene"] for scene in json.loads((tmp_path / "report.json").read_text())["comparisons"]] == ["two_pads"]
 
 
+def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_same(tmp_path: Path, plain_figures: None) -> None:
+    def head() -> dict[str, str]:
+        return dict(json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["head"])
+
+    assert main(["run", "two_pads", "-o", str(tmp_path), "--no-yade", "-q", "--title", "North pier", "--author", "A. Mason"]) == 0
+    assert main(["report", str(tmp_path), "-q"]) == 0
+    assert head() == {"title": "North pier", "author": "A. Mason"}
+    assert "<title>North pier" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert main(["report", str(tmp_path), "-q", "--title", "", "--author", "C. Wright"]) == 0
+    assert head() == {"title": "", "author": "C. Wright"}
+    assert "North pier" not in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert main(["run", "trilith", "-o", str(tmp_path), "--no-yade", "-q", "--title", "Trilith alone"]) == 0
+    assert main(["report", str(tmp_path), "-q"]) == 0
+    assert head() == {}, "the earlier report had one of these two scenes"
+    (tmp_path / "report.json").write_text("[]", encoding="utf-8")
+    assert main(["report", str(tmp_path), "-q"]) == 0
+
+
 @pytest.mark.parametrize(("words", "seconds"), [([], []), (["--try-harder"], [HARDER_SECONDS]), (["--try-harder-limit", "7"], [7.0])])
 def test_a_limit_of_a_second_attempt_asks_for_one(
     words: list[str], seconds: list[float], tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch

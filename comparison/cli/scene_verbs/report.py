@@ -45,7 +45,7 @@ def execute(context: Context) -> int:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)
             reports.append((folder, comparisons))
-    return max(broken, conclude(reports, context, left_out), key=SEVERITY.index)
+    return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
 
 
 def _run_folder(folder: Path) -> Path:
