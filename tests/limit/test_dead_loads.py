@@ -6,6 +6,7 @@ import scenes
 from loaded_scenes import BEAM, EXACT, PREDICTED, STACK, load, solved
 
 import la_core
+from la_core.errors import SceneError
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
@@ -99,6 +100,18 @@ def test_a_fill_over_an_arch_acts_on_its_steepest_flanks_too(voussoirs: int) -> 
     span = np.diff(-1.1 * np.cos(np.pi * np.arange(voussoirs + 1) / voussoirs))
     assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
     assert np.hypot(scene.loads.point[:, 0], scene.loads.point[:, 2]) == pytest.approx(1.1 * np.cos(0.5 * np.pi / voussoirs))
+
+
+def test_a_fill_over_two_rings_lies_on_the_outer_one() -> None:
+    """It is refused on both rings; the message says which one to choose."""
+
+    def loaded(pattern: str) -> la_core.Scene:
+        arch = scenes.arch(16, 0.2, depth=3.0).replace("thickness", "rings = 2\nthickness")
+        return scenes.build(arch, load(blocks=[pattern], mass=100.0, per="m2"))
+
+    with pytest.raises(SceneError, match="choose the blocks of one level, or of the outermost ring"):
+        loaded("arch *")
+    assert loaded("arch 2.*").loads.mass.sum() == pytest.approx(100.0 * 3.0 * 2.2)
 
 
 def test_a_floor_on_a_course_with_a_leaning_face_acts_on_its_bed_joint() -> None:

@@ -123,7 +123,11 @@ def _fault_of_faces(load: Load, blocks: Blocks, chosen: np.ndarray, key: str) ->
         return where, f"no top face of the chosen blocks {'lies under the line' if load.per == 'm' else 'faces up'}", ""
     if found.overlaps:
         rule = "some of the chosen top faces lie above each other, or the line runs along a joint between two of them"
-        return key, f"{rule}, so that the load would count twice", "choose the blocks of one level, or shift the line a little"
+        return (
+            key,
+            f"{rule}, so that the load would count twice",
+            "choose the blocks of one level, or of the outermost ring of an arch, or shift the line a little",
+        )
     return None
 
 
