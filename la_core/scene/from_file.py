@@ -36,6 +36,8 @@ WORDS = {  # patterns for one word of a layer's or a body's name, for each list;
     ),
     "ground": (
         *("ground*", "fix", "fixed", "earth", "foundation*", "footing*", "boden*", "*fundament*", "*gründung*"),
+        *("abutment*", "*widerlager*", "*auflager*", "fest", "feste", "spalla", "spalle", "culée*", "culee*", "estribo*"),
+        *("fisso", "fissi", "fixe", "fixes", "fijo", "fijos"),
         *("terren*", "terrain*", "suelo*", "fondazion*", "fondation*", "semelle*", "cimient*"),
     ),
 }
@@ -67,6 +69,7 @@ WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no j
 WEDGE = 1.3  # of the width of a joint at its narrow end
 SHARE_OF_JOINTS = 0.3  # of all neighbours have open joints where a drawing has any
 FARTHEST = 1000.0  # m: a drawing farther from its origin is shifted there, because round-off grows with the distance
+TURNED, ALIKE = 1.0, 0.8  # degrees, and of the length of all edges: a drawing whose edges are so alike and so far from level is turned
 SETTLING = 1.0 / 3.0  # of the length of a base that is put under a structure without one
 CURVE = 0.005  # m
 
@@ -118,7 +121,7 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
     rows += [f"{key:9} = {_array(names)}   # CHECK: {MEANING[key]}; guessed from the name" for key, names in lists.items() if names]
-    rows += _left_out(drawn, clean, blocks)
+    rows += _left_out(drawn, clean, blocks) + _turned(blocks)
     if lists["support"] and not lists["ground"]:
         rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")
     built = [layer for layer, count in counts.items() if count and layer not in lists["openings"]]
@@ -153,6 +156,18 @@ def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     if clipped := drawn.ignored.get(CLIPPED, 0):
         rows.append(f"# CHECK: clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
     return rows
+
+
+def _turned(blocks: list[Outline]) -> list[str]:
+    """A comment on a drawing whose edges are at right angles to each other, but neither level nor upright."""
+    edges = np.concatenate([np.roll(block.points, -1, axis=0) - block.points for block in blocks] or [np.zeros((0, 2))])
+    length, angle = np.hypot(*edges.T), np.arctan2(*edges.T[::-1])
+    mean = np.sum(length * np.exp(4j * angle))  # a quarter turn changes nothing
+    degrees = float(np.degrees(np.angle(mean)) / 4.0)
+    if abs(degrees) < TURNED or abs(mean) < ALIKE * length.sum():
+        return []
+    slope = f"most edges slope by {abs(degrees):.2g} degrees"
+    return [f"# CHECK: {slope}; gravity acts down the drawing's y, so turn the drawing if it is not upright"]
 
 
 def _content(source: Path) -> bytes:

@@ -56,6 +56,22 @@ def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: P
     assert np.abs(scene.blocks.vertices).max() < 3.0 and len(find_interfaces(scene.blocks)) == 2
 
 
+@pytest.mark.parametrize(("degrees", "is_told"), [(-30.0, True), (-2.0, True), (0.5, False), (2.0, True), (90.0, False)])
+def test_a_turned_drawing_is_told_of(degrees: float, is_told: bool, tmp_path: Path) -> None:
+    turn = np.exp(1j * np.radians(degrees))
+    turned = [[((x + 1j * z) * turn).real, ((x + 1j * z) * turn).imag] for outline in (SQUARE, ABOVE) for x, z in outline]
+    (tmp_path / "turned.dxf").write_bytes(dxf([polyline(turned[:4], "A"), polyline(turned[4:], "A")]))
+    text = scene_from_file(tmp_path / "turned.dxf", tmp_path)
+    assert (f"# CHECK: most edges slope by {abs(degrees):.0f} degrees" in text) is is_told
+    assert is_told or "slope" not in text
+
+
+def test_the_edges_of_rubble_do_not_look_like_those_of_a_turned_drawing(tmp_path: Path) -> None:
+    stones = [[(0, 0), (900, 100), (800, 600), (100, 500)], [(100, 500), (800, 600), (400, 1200)], [(900, 100), (1500, 0), (800, 600)]]
+    (tmp_path / "rubble.dxf").write_bytes(dxf([polyline(stone, "A") for stone in stones]))
+    assert "slope" not in scene_from_file(tmp_path / "rubble.dxf", tmp_path)
+
+
 def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> None:
     """An outline that is open, a unit that makes giants of bricks, a support without ground, and no layer that is not read."""
     courses = [[(x, z), (x + 240, z), (x + 240, z + 30), (x, z + 30)] for z in (0, 30, 60) for x in (0, 240)]
@@ -83,6 +99,10 @@ def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> N
         (
             ("MAUERSTEINE", "STURZ", "TÜR", "FUNDAMENT", "FUNDAMENT_SENKUNG", "ACHSEN"),
             {"openings": ["TÜR"], "ground": ["FUNDAMENT"], "support": ["FUNDAMENT_SENKUNG"], "ignore": ["ACHSEN"]},
+        ),
+        (
+            ("KEILSTEINE", "WIDERLAGER_LINKS", "WIDERLAGER_RECHTS_SETZUNG", "FEST", "BEMASSUNG"),
+            {"ground": ["FEST", "WIDERLAGER_LINKS"], "support": ["WIDERLAGER_RECHTS_SETZUNG"], "ignore": ["BEMASSUNG"], "openings": None},
         ),
         (
             ("Pierres", "Linteau porte", "Porte", "Fenêtre", "Fondation", "Fondation-tassement", "Cotes"),
