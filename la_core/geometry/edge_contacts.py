@@ -49,9 +49,9 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     near = np.abs(gaps(parts, pairs)) <= tolerance
     pairs, tolerance = pairs[near], tolerance[near]
     low, high = _shared_box(parts, pairs, tolerance)
+    touches = np.isfinite(low).all(axis=1)
+    pairs, low, high, reach = pairs[touches], low[touches], high[touches], SAME * tolerance[touches]
     place, length = (low + high) / 2.0, np.linalg.norm(high - low, axis=1)
-    touches = np.isfinite(length)
-    pairs, place, length, reach = pairs[touches], place[touches], length[touches], SAME * tolerance[touches]
     alone = ~_filled(blocks, joined, pairs, place, reach)
     alone[alone] = ~_overlap(parts, pairs[alone], reach[alone] / SAME)
     length = np.where(length > reach, length, 0.0)

@@ -1,5 +1,6 @@
 """Blocks that touch along an edge or at a corner alone are told with their place; no others are."""
 
+import numpy as np
 import pytest
 import scenes
 
@@ -46,6 +47,15 @@ def test_a_corner_on_a_face_and_an_edge_across_an_edge_are_told() -> None:
     ridges = pushed(GROUND, scenes.block("lower", polyhedron=lower), scenes.block("upper", polyhedron=upper))
     found = edge_contacts(ridges.blocks)
     assert found.place[0] == pytest.approx([1.2, 0.5, 0.5]) and found.length[0] == 0.0
+
+
+def test_blocks_apart_that_no_face_separates_are_not_told() -> None:
+    """A face of each lies in one plane, and no plane of a face runs between the two: they seem near, and share nothing."""
+    low = [[x, y, 1.0 + z] for y in (0.0, 1.0) for x, z in ((0.0, -1.0), (0.4, -1.0), (0.0, 0.0), (1.0, 0.0))]
+    high = [[x + lean, y, z] for lean, z in ((0.0, 1.0), (-0.8, 2.0)) for x, y in ((1.1, 0.5), (1.6, 0.0), (2.1, 0.5), (1.6, 1.0))]
+    pad = scenes.box("pad", (1.2, 0.0, 0.0), (2.0, 1.0, 1.0))
+    with np.errstate(all="raise"):
+        assert not told(pushed(GROUND, pad, scenes.block("low", polyhedron=low), scenes.block("high", polyhedron=high)))
 
 
 def test_blocks_across_a_step_are_told_and_several_pairs_in_one_sentence() -> None:
