@@ -175,9 +175,8 @@ def case_fields(path: Path) -> tuple[Any, ...]:
     """Return the fields of a case file: those of every case, and the optional ones that it holds. The packages must be loaded."""
     from la_core import exchange  # noqa: PLC0415
 
-    alone = (exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, exchange.SWAY, exchange.LONG_RUN_SETTINGS)
-    optional = (*exchange.PART_FIELDS, *alone, *exchange.LOAD_FIELDS)
-    return (*exchange.CASE_FIELDS, *(field for field in optional if exchange.holds(path, field.path)))
+    optional = (*exchange.OWN_FIELDS, exchange.SWAY, exchange.LONG_RUN_SETTINGS)
+    return (*exchange.CASE_FIELDS, *exchange.present(path, optional))
 
 
 def _expose(**called: Callable[[], Any]) -> None:

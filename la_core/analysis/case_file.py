@@ -23,8 +23,6 @@ from la_core.model import Assembly, Effects, JointStiffness, assemble
 from la_core.scene import Scene
 
 PACKAGE = Path(__file__).parents[1]
-# What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
-OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -168,7 +166,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     """
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    own = exchange.present(path, (*OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
+    own = exchange.present(path, (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
     data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):
@@ -213,7 +211,7 @@ def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str
         "blocks/centroid": assembly.blocks.centroid,
         "scene/gravity": scene.gravity,
         "scene/support_twist": _motion(scene),
-    } | {field.path: None for field in OWN_FIELDS}
+    } | {field.path: None for field in exchange.OWN_FIELDS}
     expected |= {field.path: value for field, value in _own_values(scene, assembly).items()}
     if exchange.LIVE_DIRECTION.path not in data:  # version 0.2.0 did not store it
         del expected[exchange.LIVE_DIRECTION.path]

@@ -106,6 +106,8 @@ LOAD_FIELDS = (
         "blocks/live_load", "f8", ("B", 6), "N, N m", "live load of multiplier 1 that the dead loads on each block add; 0 for a settlement"
     ),
 )
+# What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
+OWN_FIELDS = (*PART_FIELDS, JOINT_INSET, SUPPORT_TWISTS, LIVE_DIRECTION, *LOAD_FIELDS)
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(
     "scene/first_prediction",
