@@ -140,7 +140,7 @@ def _elastic(scene: Scene, inset: float) -> tuple[Assembly, JointStiffness, floa
     start = time.perf_counter()
     assembly = assemble(scene)
     shared = assembly.with_inset(scene, shared_inset(scene))
-    stiffness = joint_stiffness(shared, shared.inset, scene.yade)
+    stiffness = joint_stiffness(shared, scene.yade)
     assembly = shared if inset == shared.inset else assembly.with_inset(scene, inset)
     return assembly, stiffness, time.perf_counter() - start
 

@@ -59,7 +59,7 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
 def _at_inset(scene: Scene, assembly: Assembly, sharp: Assembly) -> StructuralModel:
     """Model a scene with its assemblies at the shared inset and for sharp edges."""
     try:
-        stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)
+        stiffness = joint_stiffness(assembly, scene.yade)
     except SceneError as error:
         raise scene.located(error) from error
     assembly, least_gap = decide_dem_effects(scene, assembly, stiffness)

@@ -53,7 +53,7 @@ class JointStiffness:
     sway: float = math.nan
 
 
-def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any]) -> JointStiffness:
+def joint_stiffness(assembly: Assembly, settings: Mapping[str, Any]) -> JointStiffness:
     """Choose the stiffness of the joints and the travel of the support.
 
     The rules for contact spheres apply where YADE can place them: at an inset above 0.
@@ -62,8 +62,6 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     ----------
     assembly : Assembly
         Structure with its weights and its driving motion or load.
-    inset : float
-        Distance of the contact points from the edges of their interface, m.
     settings : mapping
         The scene's [yade] table; its values replace the derived ones.
 
@@ -72,6 +70,7 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     SceneError
         A setting has an impossible value.
     """
+    inset = assembly.inset
     _refuse_impossible(settings, inset)
     requested = {name: float(settings[name]) for name in _ASKED if name in settings}
     has_spheres = inset > 0.0

@@ -59,7 +59,7 @@ def predictions(case: Case, settings: dict[str, PredictionSettings]) -> dict[str
     """Predict one wall with each of some settings."""
     parts = scenes.wall(case.per_course, case.courses, split=0.4 * (case.per_course - case.settling))
     assembly = assemble(scenes.build(*parts, friction=case.friction))
-    stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING)
     runs = {}
     for name, one in settings.items():
         answer = predict(assembly, stiffness, associated, settings=one)

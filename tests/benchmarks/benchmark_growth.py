@@ -83,7 +83,7 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     bound = associated.solve_associated(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
-    answer = predict(model, joints.joint_stiffness(model, model.inset, scene.yade), bound)
+    answer = predict(model, joints.joint_stiffness(model, scene.yade), bound)
     return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
 
 

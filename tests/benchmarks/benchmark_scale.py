@@ -169,7 +169,7 @@ def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
     scene = build(kind, size)
     model = assembly.assemble(scene)
     bounds = associated.solve_associated(model, Drive.YIELDING)
-    solution = predict(model, joint_stiffness(model, model.inset, scene.yade), bounds)
+    solution = predict(model, joint_stiffness(model, scene.yade), bounds)
     return (
         kind, f"{len(model.blocks)}", solution.status, f"{solution.value / model.weight:.6f}", f"{solution.iterations}",
         f"{solution.seconds:.1f}", f"{solution.dilatancy_residual:.1e}", f"{bounds.seconds:.1f}",

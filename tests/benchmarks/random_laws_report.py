@@ -113,7 +113,7 @@ def census(scenes: int) -> dict[str, Counter[str]]:
             for method, one in zip(METHODS, (solution, static), strict=False):
                 statuses[method][one.status.value] += 1
             if solution.status is Status.SOLVED and drive is not Drive.PUSHING:
-                prediction = predict(assembly, joint_stiffness(assembly, assembly.inset, {}), solution)
+                prediction = predict(assembly, joint_stiffness(assembly, {}), solution)
                 statuses[METHODS[2]][prediction.status.value] += 1
 
     look()

@@ -49,7 +49,7 @@ def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.M
     """Paths are made to end 5 % apart by their viscosity; a third one decides, and the uncertainty covers both values."""
     scene = scenes.build(*scenes.wall(4, 3, split=0.8), friction=0.6)
     assembly = assemble(scene)
-    stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING)
     whole = predict(assembly, stiffness, associated)
     original, made = prediction.follow, []
 
@@ -83,7 +83,7 @@ def test_a_plateau_that_the_curve_leaves_is_told(number: int) -> None:
     """Random walls whose curves are flat for four travels and more, then move by 2 %: 159 has no plateau there, 134 has a better one."""
     scene = drawn(number, EARLIER_SEED).scene
     assembly = assemble(scene)
-    stiffness, associated = joint_stiffness(assembly, assembly.inset, {}), solve_associated(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING)
     found, finer = (predict(assembly, stiffness, associated, settings=PredictionSettings(pair)) for pair in ((1e-2, 1e-3), (1e-3, 1e-4)))
     assert found.status is Status.SOLVED and found.certificate <= 1e-5
     assert len(found.plateaus) == 2 and abs(np.diff(found.plateaus)) > 0.015 * abs(found.value)

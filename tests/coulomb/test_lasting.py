@@ -21,7 +21,7 @@ def test_a_gap_that_closes_after_the_curve_is_flat_is_awaited() -> None:
     hinge = {"axis": (0.0, -1.0, 0.0), "point": (3.2, 0.0, 0.0)}
     scene = scenes.build(stones, ground, turning, friction=0.8, inset=0.001, settlement=hinge)
     assembly, usual = answer(scene)
-    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
+    stiff = 16.0 * joint_stiffness(assembly, {}).normal
     _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
     assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
     assert (len(usual.plateaus), len(stiffer.plateaus)) == (2, 0)
@@ -44,7 +44,7 @@ def test_a_force_that_still_changes_is_followed_until_its_contact_point_gives_wa
     skew = {"axis": (-0.327, 1.5, -0.621), "point": (2.64, 3.54, 0.99)}
     scene = scenes.build(vault, friction=0.79, inset=0.001, settlement=skew)
     assembly, usual = answer(scene)
-    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
+    stiff = 16.0 * joint_stiffness(assembly, {}).normal
     _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
     assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
 

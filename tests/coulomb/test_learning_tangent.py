@@ -70,7 +70,7 @@ def test_it_says_when_it_has_learnt_enough() -> None:
 def test_smooth_steps_need_fewer_new_tangents(plane, live, monkeypatch) -> None:
     scene = scenes.build(*scenes.wall(6, 4, split=None if live else 1.2), friction=0.6, plane=plane, live=live)
     assembly = assemble(scene)
-    joints = ElasticJoints(assembly, joint_stiffness(assembly, scene.inset, scene.yade))
+    joints = ElasticJoints(assembly, joint_stiffness(assembly, scene.yade))
     smoothing = 0.3 / len(joints.friction)
     factorised, values = [], []
     for moves_per_tangent in (implicit_step.MOVES_PER_TANGENT, 1e-9):

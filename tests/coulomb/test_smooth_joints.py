@@ -32,7 +32,7 @@ in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", 
 def structure(plane: bool) -> ElasticJoints:
     scene = scenes.build(*scenes.wall(4, 3, split=0.8), friction=0.6, plane=plane)
     assembly = assemble(scene)
-    return ElasticJoints(assembly, joint_stiffness(assembly, scene.inset, scene.yade))
+    return ElasticJoints(assembly, joint_stiffness(assembly, scene.yade))
 
 
 def random_states(joints: ElasticJoints, seed: int) -> tuple[np.ndarray, JointState]:
@@ -99,7 +99,7 @@ def test_large_structures_state_an_uncertainty_that_holds(per_course, courses, s
     """
     scene = scenes.build(*scenes.wall(per_course, courses, split=split), friction=friction)
     assembly = assemble(scene)
-    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    stiffness = joint_stiffness(assembly, scene.yade)
     associated = solve_associated(assembly, Drive.YIELDING)
     sharp = predict(assembly, stiffness, associated)
     monkeypatch.setattr(prediction, "LARGE", 0.0)
@@ -115,7 +115,7 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
     """The state is computed from forces and mechanism that are both well away from a limit state."""
     scene = scenes.build(*scenes.wall(6, 4, split=None if live else 1.2), friction=0.6, plane=plane, live=live)
     assembly = assemble(scene)
-    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    stiffness = joint_stiffness(assembly, scene.yade)
     ends = []
 
     def watched(path, tell):
@@ -160,7 +160,7 @@ def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
     """A wall whose curve still falls over the first half of one travel."""
     scene = scenes.build(*scenes.wall(12, 8, split=2.4), friction=0.6)
     assembly = assemble(scene)
-    stiffness, associated = joint_stiffness(assembly, scene.inset, scene.yade), solve_associated(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, scene.yade), solve_associated(assembly, Drive.YIELDING)
     sharp = predict(assembly, stiffness, associated)
     monkeypatch.setattr(prediction, "LARGE", 0.0)
     short, known = (predict(assembly, stiffness, associated, settings=PredictionSettings(doublings=most)) for most in (0, 6))
@@ -195,7 +195,7 @@ def predicted_as_large(
     monkeypatch.setenv("OMP_NUM_THREADS", str(threads))
     scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
     assembly = assemble(scene)
-    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    stiffness = joint_stiffness(assembly, scene.yade)
     return predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING), settings=settings, report=report)
 
 
@@ -237,7 +237,7 @@ def test_a_structure_whose_sharp_path_is_cut_short_gets_smooth_joints(monkeypatc
     """The first path is said to have ended before its travel: no other follows, and the answer is that of smooth joints."""
     scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
     assembly = assemble(scene)
-    stiffness, associated = joint_stiffness(assembly, scene.inset, scene.yade), solve_associated(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, scene.yade), solve_associated(assembly, Drive.YIELDING)
     original, cut = prediction.follow, []
 
     def cut_short(*arguments):

@@ -32,7 +32,7 @@ def wall(**options: object) -> Scene:
 
 def stiffness(scene: Scene, **settings: object) -> JointStiffness:
     assembly = assemble(scene)
-    return joint_stiffness(assembly, assembly.inset, settings)
+    return joint_stiffness(assembly, settings)
 
 
 def ratios(one: JointStiffness, other: JointStiffness) -> tuple[float, ...]:
@@ -81,7 +81,7 @@ def test_the_sag_is_at_most_its_share_of_the_travel(name) -> None:
     scene = scenes.shipped(name)
     assembly = assemble(scene)
     for inset in (scene.inset, 0.0):
-        found = joint_stiffness(assembly.with_inset(scene, inset), inset, scene.yade)
+        found = joint_stiffness(assembly.with_inset(scene, inset), scene.yade)
         assert 0.0 < found.sag <= ELASTIC_SHARE * found.travel * (1.0 + 1e-9)
         assert found.normal > 0.0 and np.isfinite(found.normal)
 

@@ -74,7 +74,7 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     answers = [solve_associated(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
     assert abs(answers[0] - answers[1]) > 0.1
     bounds = Answers(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)})
-    analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, flat.inset, scene.yade))
+    analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, scene.yade))
     (check,) = check_plane(analysis)
     assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.next_step
 

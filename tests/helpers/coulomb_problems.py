@@ -21,7 +21,7 @@ in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", 
 def problem(scene: Scene, **settings: float) -> tuple[Assembly, JointStiffness]:
     """Assembly of a scene and the stiffness of its joints."""
     assembly = assemble(scene)
-    return assembly, joint_stiffness(assembly, scene.inset, {**scene.yade, **settings})
+    return assembly, joint_stiffness(assembly, {**scene.yade, **settings})
 
 
 def answer(scene: Scene, wedging: float = 0.0, **settings: float) -> tuple[Assembly, CoulombSolution]:

@@ -39,5 +39,5 @@ def buffer(gap: float = GAP, travel: float = TRAVEL) -> str:
 def decided(scene: Scene) -> tuple[Effects, float]:
     """Effects of the run and the least gap, limit analysis left out."""
     assembly = assemble(scene)
-    settled, gap = dem_effects.decide_dem_effects(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
+    settled, gap = dem_effects.decide_dem_effects(scene, assembly, joint_stiffness(assembly, scene.yade))
     return settled.effects, gap

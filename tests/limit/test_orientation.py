@@ -40,7 +40,7 @@ def associated(assembly: Assembly) -> float:
 
 def coulomb(assembly: Assembly) -> float:
     solution = predict(
-        assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+        assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     )
     assert solution.status is Status.SOLVED
     return solution.value / (1.0 if assembly.has_live_load else assembly.weight)

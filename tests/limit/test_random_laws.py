@@ -186,7 +186,7 @@ def test_coulomb_prediction_lies_between_the_bounds_and_within_its_interval(scen
     assembly = assemble(scene)
     bounds = [with_verdict(assembly, drive) for drive in drives(assembly)]
     assume(bounds[0].status is Status.SOLVED)
-    prediction = predict(assembly, joint_stiffness(assembly, assembly.inset, {}), bounds[0])
+    prediction = predict(assembly, joint_stiffness(assembly, {}), bounds[0])
     assume(prediction.status is Status.SOLVED)
     live = assembly.has_live_load
     for bound, sign in zip(bounds, (-1.0,) if live else (1.0, -1.0), strict=True):

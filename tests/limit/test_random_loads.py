@@ -155,7 +155,7 @@ def test_the_prediction_is_never_beyond_the_associated_bounds(loading: Loading) 
     found = list(answers(scene))
     (assembly, drive, first), *_ = found
     assume(first.status is Status.SOLVED)
-    prediction = predict(assembly, joint_stiffness(assembly, assembly.inset, {}), first)
+    prediction = predict(assembly, joint_stiffness(assembly, {}), first)
     assume(prediction.status is Status.SOLVED)
     for (_, _, bound), sign in zip(found, (-1.0,) if drive is Drive.LIVE else (1.0, -1.0), strict=True):
         if bound.status is Status.SOLVED:

@@ -74,7 +74,7 @@ def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) ->
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
     associated = solve_associated(assembly, Drive.LIVE)
     assert associated.status is Status.SOLVED and associated.value == pytest.approx(SLIGHT, abs=PROMISED)
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), associated)
+    prediction = predict(assembly, joint_stiffness(assembly, {}), associated)
     assert prediction.status is Status.SOLVED and prediction.value == pytest.approx(SLIGHT, abs=PROMISED)
 
 
@@ -82,7 +82,7 @@ def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) ->
 def test_interval_exists_under_slight_friction(seed: int, beams: int) -> None:
     """Exact directions of slight friction contradict equilibrium, and its ends were undefined or crossed."""
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE))
+    prediction = predict(assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.LIVE))
     low, high = prediction.interval
     assert low - PROMISED <= prediction.value <= high + PROMISED and low - PROMISED <= high
 
@@ -97,7 +97,7 @@ def test_joint_that_slides_and_still_carries_does_not_part() -> None:
     parts.append(scenes.box("lintel", (-0.4, 0.0, height), (3.4, depth, 1.15), density=42488.0))
     scene = scenes.build(*parts, live=(0.8530521698933407, 0.0, -0.5218256370093973), settlement=None, friction=5.0, plane=True)
     assembly = assemble(scene)
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE))
+    prediction = predict(assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.LIVE))
     low, high = prediction.interval
     assert prediction.status is Status.SOLVED and low - SAME <= prediction.value <= high + SAME
 
@@ -111,7 +111,7 @@ def test_support_that_leaves_a_standing_wall_has_no_reaction(
 ) -> None:
     """Nothing but the support moves: there is hardly any work to measure a dilation by, and the last step gave up before it was met."""
     assembly = assemble(scenes.build(*scenes.wall(per_course, courses, split, first=first), friction=friction, plane=False))
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING))
+    prediction = predict(assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING))
     assert prediction.status is Status.SOLVED and abs(prediction.value) <= SAME * assembly.weight
 
 
