@@ -45,7 +45,7 @@ def kinetic_ratio(run: Protocol) -> float:
     if not fitted:
         return float("nan")
     case, travel = run.case, fitted[-1].settlement - fitted[0].settlement
-    most = case.block_weight * len(case.free) * travel * case.support_speed  # all free blocks sinking with the support
+    most = case.weight * travel * case.support_speed  # all free blocks sinking with the support
     work = abs(fitted[-1].weight_work - fitted[0].weight_work)
     return max(row.kinetic_energy for row in fitted) / work if work > _NO_WORK * most else float("nan")
 

@@ -2,7 +2,7 @@
 
 from comparison.judge import requested_accuracy
 from comparison.judge.checks.answer import check_answer, check_expected
-from comparison.judge.checks.curves import CurveDifference, compare_curves
+from comparison.judge.checks.curves import compare_curves
 from comparison.judge.checks.next_steps import REPAIR_YADE
 from comparison.judge.checks.prediction import slides_unforeseen
 from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
@@ -19,7 +19,6 @@ __all__ = [
     "METHODS",
     "REPAIR_YADE",
     "UNCERTAIN",
-    "CurveDifference",
     "answer_of",
     "answer_of_text",
     "check_accuracy",

@@ -108,12 +108,12 @@ def run_scene(
         return _compare(dataclasses.replace(outcome, first_verdict=first_verdict), folder, listener, figures)
 
 
-def report_again(folder: Path, listener: Listener, figures: Figures | None = None) -> dict[str, Any]:
+def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
     """Compare and draw the stored results of a run's folder again, and return the content of comparison.json.
 
     A folder that cannot be written is read without a lock, and nothing is stored there.
     Raises exchange.ExchangeError where limit analysis is missing, and FolderInUseError where another process works in the folder.
-    folder, listener, figures: as in `run_scene`.
+    folder, listener: as in `run_scene`.
     """
     if not (folder / "case.h5").is_file():  # a folder of other files is not touched
         if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
@@ -126,7 +126,7 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = previous.get("notes") or _notes(results.analysis)
         outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
-        return _compare(outcome, folder, listener, figures)
+        return _compare(outcome, folder, listener, None)
 
 
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:

@@ -32,7 +32,7 @@ ONE_VALUE = 0.01
 FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 
 
-def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float = THRESHOLDS[0]) -> tuple[float, float]:
+def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float) -> tuple[float, float]:
     """Least and greatest reaction (N, N m) or multiplier that a mechanism allows.
 
     An end is infinite where nothing limits it, and NaN where no state of forces fits the mechanism.

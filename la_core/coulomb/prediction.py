@@ -161,7 +161,7 @@ def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> Cou
     return replace(without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations), uncertainty=math.inf)
 
 
-def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:
+def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float) -> float:
     """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest.
 
     wedging: motion of the support against its settlement before gravity acts, m or rad.

@@ -72,7 +72,7 @@ class Sliding:
         return without_sliding(assembly, associated, self.seconds, self.solves)
 
 
-def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> Sliding:
+def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float) -> Sliding:
     """Search for sliding joints in the associated mechanism, then on a path with less friction.
 
     Parameters

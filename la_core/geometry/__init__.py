@@ -2,11 +2,11 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks, hold_arrays
-from la_core.geometry.edge_contacts import EdgeContacts, edge_contacts
+from la_core.geometry.edge_contacts import edge_contacts
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons, opposite_faces
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
-from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
+from la_core.geometry.points import SLIVER, ContactPoints, contact_points, without_slivers
 from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, divided_loft, loft, polyhedron, prism
 
@@ -16,7 +16,6 @@ __all__ = [
     "SLIVER",
     "Blocks",
     "ContactPoints",
-    "EdgeContacts",
     "Interfaces",
     "MissedJoints",
     "Shape",
@@ -31,7 +30,6 @@ __all__ = [
     "find_interfaces",
     "gaps",
     "hold_arrays",
-    "joint_rooms",
     "loft",
     "missed_joints",
     "near_pairs",

@@ -14,7 +14,7 @@ NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the i
 NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; less of it leaves forces out of balance
 
 
-def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, forces: np.ndarray | None = None) -> np.ndarray:
+def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, forces: np.ndarray | None) -> np.ndarray:
     """Scale (count,) of the rows; the rows of the contact points come last.
 
     With forces of a similar problem the solver mostly takes half to nine tenths of its iterations. Without them, larger
