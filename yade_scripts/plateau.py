@@ -61,8 +61,6 @@ class Plateau:
         Slope b, N/m, or N m/rad.
     start : float
         Settlement where the fitted part begins, m or rad.
-    scatter : float
-        Standard deviation of the residuals, N or N m.
     drift : float
         Change of the line over the fitted part, N or N m, at least 0; less what turning blocks explain.
     from_scatter, from_fit, from_strain : float
@@ -75,7 +73,6 @@ class Plateau:
     uncertainty: float
     slope: float
     start: float
-    scatter: float
     drift: float
     from_scatter: float
     from_fit: float
@@ -84,7 +81,7 @@ class Plateau:
 
 
 _NAN = float("nan")
-NONE = Plateau(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, creeps=False)
+NONE = Plateau(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, creeps=False)
 
 
 @dataclass(frozen=True)
@@ -255,7 +252,7 @@ def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geomet
     creeps = abs(slope) - _CERTAIN * error > geometry.turning + abs(level) / geometry.lever
     uncertainty = float(np.sqrt(from_scatter**2 + from_fit**2 + from_strain**2))
     drift = unexplained * float(np.ptp(s))
-    return Plateau(intercept, uncertainty, slope, float(s[0]), scatter, drift, from_scatter, from_fit, from_strain, creeps)
+    return Plateau(intercept, uncertainty, slope, float(s[0]), drift, from_scatter, from_fit, from_strain, creeps)
 
 
 def student(freedoms: float) -> float:

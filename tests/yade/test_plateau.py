@@ -62,7 +62,7 @@ def test_exact_line_is_recovered() -> None:
     fit = fitted(s, REACTION + SLOPE * s)
     assert fit.reaction == pytest.approx(REACTION, rel=1e-12)
     assert fit.slope == pytest.approx(SLOPE, rel=1e-9)
-    assert fit.scatter < 1e-9 * REACTION
+    assert fit.from_scatter < 1e-9 * REACTION
 
 
 def test_constant_has_no_uncertainty() -> None:

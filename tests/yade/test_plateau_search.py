@@ -28,7 +28,7 @@ STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: settlement at which
 
 def line(reaction: float = 100.0, uncertainty: float = 0.05, **changes: Any) -> plateau.Plateau:
     """A fit of a plateau, N."""
-    known = plateau.Plateau(reaction, uncertainty, 0.0, 0.0, 0.0, 0.0, uncertainty, 0.0, 0.0, creeps=False)
+    known = plateau.Plateau(reaction, uncertainty, 0.0, 0.0, 0.0, uncertainty, 0.0, 0.0, creeps=False)
     return replace(known, **changes)
 
 
