@@ -11,7 +11,7 @@ from yade_scripts.case import Case
 from yade_scripts.faults import settlement_words
 from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import Record, Status
-from yade_scripts.settings import Settings, is_content
+from yade_scripts.settings import Settings, is_content, sag_of
 
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 
@@ -83,7 +83,7 @@ class PlateauSearch:
     @property
     def _strain(self) -> float:
         """Share of the reaction that the joints' strain may still make; it falls as the support moves on."""
-        sag = self.case.sag * self.case.normal_stiffness / self.settings.normal_stiffness
+        sag = sag_of(self.case, self.settings.normal_stiffness)
         return STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
 
     def _fit(self) -> Plateau:

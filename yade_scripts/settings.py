@@ -145,7 +145,7 @@ def _derived(case: Case, overrides: dict[str, float]) -> Settings:
     set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
-    sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
+    sag = sag_of(case, chosen["normal_stiffness"])
     set_default(**_damping(case, chosen))
     stable = _stable_time_steps(case, chosen)
     set_default(time_step=chosen["time_step_share"] * stable["time_step"])
@@ -195,6 +195,11 @@ def rattling_of(case: Case, settings: Settings, reaction: float) -> float:
     if case.live is not None:
         return settings.rattling
     return settings.rattling * max(1.0, AT_STAKE * abs(reaction) / case.support_speed / case.block_weight)
+
+
+def sag_of(case: Case, normal_stiffness: float) -> float:
+    """Return the sag (m) of a case on joints of another stiffness (N/m)."""
+    return case.sag * case.normal_stiffness / normal_stiffness
 
 
 def slowness(case: Case) -> float:

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from yade_scripts.case import Case
-from yade_scripts.settings import Settings
+from yade_scripts.settings import Settings, sag_of
 
 LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedged in
 LAG = 0.2  # decay of the servo's own motion, by its dashpot, between two of its steps
@@ -112,8 +112,7 @@ class Servo:
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
     gravity = float(np.linalg.norm(case.gravity))
-    sag = case.sag * case.normal_stiffness / settings.normal_stiffness
-    frequency = settings.servo_frequency * math.sqrt(gravity / sag)
+    frequency = settings.servo_frequency * math.sqrt(gravity / sag_of(case, settings.normal_stiffness))
     decay = 2.0 * settings.servo_damping * frequency
     every = max(1, int(LAG / (decay * settings.settling_step)))
     return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, 1.0 / frequency)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from yade_scripts.case import Case
-from yade_scripts.settings import Settings
+from yade_scripts.settings import Settings, sag_of
 from yade_scripts.vibration import Inertia
 
 # Periods of the sag over which the mean velocity is taken. A slow motion feels the drag as inertia: with one period and a damping ratio of
@@ -85,8 +85,7 @@ class SwingDamper:
 
 def swing_damper(case: Case, settings: Settings, inertia: Inertia, states: Sequence[Any]) -> SwingDamper:
     """Return the damper of a run with these settings, for the YADE states of the free blocks."""
-    sag = case.sag * case.normal_stiffness / settings.normal_stiffness
-    frequency = math.sqrt(float(np.linalg.norm(case.gravity)) / sag)
+    frequency = math.sqrt(float(np.linalg.norm(case.gravity)) / sag_of(case, settings.normal_stiffness))
     every = max(1, int(EVERY / (frequency * settings.settling_step)))
     elapsed = frequency * every * settings.settling_step  # rad
     share, renewed = (1.0 - math.exp(-rate * elapsed) for rate in (2.0 * settings.swing_damping, 1.0 / (2.0 * math.pi * MEAN_PERIODS)))
