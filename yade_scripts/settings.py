@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
+from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS, UNBALANCED
 from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
@@ -126,7 +126,7 @@ def _derived(case: Case, overrides: dict[str, float]) -> Settings:
 
     set_default(
         damping_ratio=0.3,
-        rattling=0.02,  # unbalanced force that the judge, too, accepts of a quasi-static run
+        rattling=UNBALANCED,
         time_step_share=0.9,
         wedging=0.0,
         gravity_damping=0.3,

@@ -13,6 +13,7 @@ from la_core.exchange.dem_settings import (
     SETTING_UNITS,
     SETTINGS,
     TRAVEL_PERIODS,
+    UNBALANCED,
     UNCERTAIN,
     setting_unit,
 )
@@ -76,6 +77,7 @@ __all__ = [
     "SUPPORT_TWISTS",
     "SWAY",
     "TRAVEL_PERIODS",
+    "UNBALANCED",
     "UNCERTAIN",
     "ExchangeError",
     "Field",

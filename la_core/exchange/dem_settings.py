@@ -8,6 +8,7 @@ LATEST_START = 0.6  # of a run's settlement: a plateau begins there at the lates
 AT_STAKE = 0.04
 UNCERTAIN = 1e-2  # of the reaction: a judge does not decide by a method that states more
 LEAST_REACTION = 1e-4  # of the weight, for a moment times the size of a block: a smaller reaction counts as zero
+UNBALANCED = 0.02  # of the mean block weight: mean unbalanced force above which blocks rattle, and a run is not quasi-static
 JUMP = 25.0  # times the mean unbalanced force of blocks that rattle: the unbalanced force of one jump
 PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches

@@ -18,7 +18,7 @@ FLOOR = 5e-3
 # Of the reaction: where a method states more, the floor alone counts; twice the floor, so that the floor still matters.
 UNCERTAIN = exchange.UNCERTAIN
 LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
-UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
+UNBALANCED = exchange.UNBALANCED  # of the mean block weight: inertia and damping of a quasi-static run
 
 
 @dataclass(frozen=True)
@@ -103,5 +103,6 @@ def unsure_methods(results: Results, stated: float) -> list[Unsure]:
 def stated_uncertainty(analysis: LimitAnalysis) -> float:
     """Return the uncertainty that the prediction states, N or N m; 0 where it states none, as a bound or a file of version 0.2.0."""
     coulomb = analysis.coulomb
-    known = coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE) and coulomb.uncertainty > 0.0
-    return float(coulomb.uncertainty) if coulomb is not None and known else 0.0
+    if coulomb is None or coulomb.status not in (Status.SOLVED, Status.INACCURATE) or not coulomb.uncertainty > 0.0:
+        return 0.0
+    return float(coulomb.uncertainty)
