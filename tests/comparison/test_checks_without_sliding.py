@@ -18,7 +18,7 @@ from la_core.analysis.stage import analyse
 from la_core.coulomb.solution import without_answer
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
-from la_core.measures import mechanism
+from la_core.measures import mechanism, residuals
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene
 
@@ -142,6 +142,15 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
     run.poses.rotation[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, 3:]
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "mechanism similarity")
     assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+
+
+def test_an_admissible_mechanism_that_does_other_work_disagrees() -> None:
+    """The block stands still while the pad settles below it: every joint obeys the flow rule, but the weight does no work."""
+    scene, analysis = case_of("two_pads")
+    run = perfect_run(analysis)
+    run.poses.displacement[:, scene.blocks.free] = run.poses.rotation[:, scene.blocks.free] = 0.0
+    assert residuals.flow_rule_violation(analysis.assembly, run.mechanism()) <= mechanisms.ADMISSIBLE
+    assert verdict_of("mechanism similarity", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
 def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
