@@ -13,6 +13,7 @@ from runs import coulomb_run, perfect_run, with_answers
 
 from comparison.judge.checks.answer import check_answer
 from comparison.judge.checks.mechanisms import SIMILAR
+from comparison.judge.checks.prediction import predicted
 from comparison.judge.checks.run_checks import check_run
 from comparison.judge.checks.sections import check_sections
 from comparison.verdict.check import Verdict
@@ -45,6 +46,16 @@ def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tu
     found = check_run(Results(wall[1], coulomb_run(wall[1])))
     assert {check.verdict for check in found} == {Verdict.AGREE}, [check for check in found if check.reason]
     assert {"reaction within the mechanism's interval", "YADE's friction state", "steadiness of the plateau"} <= {c.name for c in found}
+
+
+@pytest.mark.parametrize(("excluded", "words"), [(False, "in no mechanism of limit analysis"), (True, "the scene excludes sliding")])
+def test_where_joints_slide_in_yade_alone_the_reason_says_who_left_sliding_out(
+    wall: tuple[Scene, LimitAnalysis], excluded: bool, words: str
+) -> None:
+    _scene, analysis = wall
+    effects = analysis.assembly.effects.with_effect("friction", "none-slides", "made up")
+    without = with_answers(analysis.with_effects(dataclasses.replace(effects, sliding_excluded=excluded)), coulomb=None)
+    assert words in predicted(Results(without, coulomb_run(analysis))).obstacle
 
 
 @pytest.mark.parametrize(
