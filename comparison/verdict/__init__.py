@@ -1,6 +1,6 @@
 """The words of a verdict: checks, marks, the conclusion with its next step, and the row of a scene in the table of results."""
 
-from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
+from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within, without_contradiction
 from comparison.verdict.check_table import Checks
 from comparison.verdict.conclusion import BEARS_NOTHING, CARRIED_OUT, HARDER, Conclusion, conclusion, named_blocks
 from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
@@ -26,4 +26,5 @@ __all__ = [
     "verdict_cells",
     "verdict_title",
     "within",
+    "without_contradiction",
 ]

@@ -3,7 +3,7 @@
 import enum
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from comparison.numbers import said_once
@@ -152,6 +152,11 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
     if abs(beyond) <= tolerance:
         return Check(name, Verdict.AGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, range=span)
     return Check(name, Verdict.DISAGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, reason, next_step, span)
+
+
+def without_contradiction(check: Check) -> Check:
+    """Return the check of a state that may be in doubt but contradicts nobody: inconclusive unless it agrees."""
+    return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
 
 
 def stored_check(stored: Mapping[str, Any]) -> Check:

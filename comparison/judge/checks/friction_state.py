@@ -1,14 +1,13 @@
 """The friction state of YADE's plateau: does every joint slide that should, and do joints stick and slip?"""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from comparison.judge.checks import next_steps
 from comparison.judge.checks.tolerances import UNCERTAIN, least_reaction
 from comparison.numbers import percent
-from comparison.verdict import Check, Verdict, within
+from comparison.verdict import Check, Verdict, within, without_contradiction
 from comparison.yade import Results
 from la_core.limit import Status, consistent_reaction
 from la_core.measures import residuals
@@ -39,8 +38,7 @@ def check_friction_state(results: Results) -> Check:
     scatter = _scatter(results)
     slips = f" (stick-slip: scatter {percent(scatter)})" if scatter > STEADY else ""
     reason = f"{possible}: not every joint slides that should{slips}."
-    check = within(name, consistent.value, reaction, tolerance, scene.unit, reason, next_steps.SLOWER_RUN)
-    return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
+    return without_contradiction(within(name, consistent.value, reaction, tolerance, scene.unit, reason, next_steps.SLOWER_RUN))
 
 
 def check_steadiness(results: Results) -> Check:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from comparison.judge.checks.reduced_model import check_displacement, check_plan
 from comparison.judge.checks.sections import check_sections
 from comparison.judge.checks.tolerances import falls_slowly, reaction_tolerance, unbalanced
 from comparison.numbers import format_number, plural
-from comparison.verdict import CARRIED_OUT, Check, Verdict, inside, named_blocks, within
+from comparison.verdict import CARRIED_OUT, Check, Verdict, inside, named_blocks, within, without_contradiction
 from comparison.yade import Results, Run
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
@@ -115,8 +114,7 @@ def _check_speed(results: Results) -> Check:
     set_speed, mean_speed = float(run.settings["speed"]), float(np.ptp(moved[kept]) / np.ptp(time[kept]))
     speed = mean_speed * float(power @ along / power.sum())
     reason = f"On the plateau the blocks moved at {speed:.3g} m/s on the mean, but {set_speed:.3g} m/s was set."
-    check = within(name, set_speed, speed, SPEED * set_speed, "m/s", reason, next_steps.SLOWER_RUN)
-    return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
+    return without_contradiction(within(name, set_speed, speed, SPEED * set_speed, "m/s", reason, next_steps.SLOWER_RUN))
 
 
 def _check_contacts(results: Results) -> Check:
@@ -160,8 +158,8 @@ def _check_balance(results: Results) -> Check:
     sizes = [f"{format_number(size, 3)} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
     reason = f"YADE's mean state is not in equilibrium: its unbalanced forces are worth {worth}."
-    check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason, next_steps.SLOWER_RUN)
-    return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
+    name = "balance along the mechanism"
+    return without_contradiction(within(name, 0.0, power, tolerance, scene.unit, reason, next_steps.SLOWER_RUN))
 
 
 def _multiplier(results: Results) -> float:
