@@ -19,7 +19,7 @@ class AnalysisSettings:
         Reason why joints are known to slide, such as an earlier run of YADE. It keeps friction in the model where
         "auto" might leave it out. "" where nothing is known.
     prediction : PredictionSettings
-        Viscosities and steps of the paths to the plateau. A scene that requests an accuracy overrides them.
+        Viscosities and steps of the paths to the plateau. A scene that requests an accuracy or a high effort overrides them.
     bounds_only : bool
         Whether the analysis ends with the bounds, without prediction, path and requested accuracy. Its effects say so.
     """

@@ -4,8 +4,7 @@ The kinematic form of `la_core.limit` is smaller, but only for Coulomb's cone. H
 they may change from solve to solve. With f the contact forces, r . f their work on the support's unit motion, w the
 weights and l the live load,
     settlement:  least (support yields) or greatest (support pushes back) r . f   subject to   equilibrium(f) + w = 0
-    live load:   greatest lambda                                                  subject to   equilibrium(f) + w +
-    lambda l = 0
+    live load:   greatest lambda                                                  subject to   equilibrium(f) + w + lambda l = 0
 and n >= 0, |t| <= intercept + slope n at every contact point (Portioli & Cascini 2016, doi
 10.1016/j.engstruct.2016.02.002). The multipliers of equilibrium are the twists of the mechanism; its flow is normal
 to the given limits.

@@ -33,11 +33,11 @@ class Release:
     Attributes
     ----------
     value : float
-        Predicted reaction, N or N m.
+        Predicted reaction, N or N m, or multiplier.
     stated : float
-        Uncertainty that limit analysis states, N or N m.
+        Uncertainty that limit analysis states, in the unit of the value.
     is_other : bool
-        Whether this is another reaction than before, beyond doubt.
+        Whether this is another value than before, beyond doubt.
     """
 
     value: float
@@ -52,17 +52,17 @@ class Prediction:
     Attributes
     ----------
     value : float
-        Predicted reaction, N or N m.
+        Predicted reaction, N or N m, or multiplier.
     interval : tuple of float
-        Least and greatest reaction that the predicted mechanism allows, N or N m; NaN where unknown.
+        Least and greatest value that the predicted mechanism allows; NaN where unknown.
     twists : np.ndarray
-        Predicted mechanism (B, 6): twist of each block for a unit motion of the support.
+        Predicted mechanism (B, 6): twist of each block for a unit motion of the support, or displacement along the live load.
     slides : bool
         Whether loaded joints slide.
     stated : float
-        Uncertainty that limit analysis states, N or N m.
+        Uncertainty that limit analysis states, in the unit of the value.
     release : Release or None
-        The reaction after turning blocks have released a thrust; None where limit analysis has not followed it.
+        The value after turning blocks have released a thrust; None where limit analysis has not followed it.
     obstacle : str
         Why the value is no sharp prediction; "" where it is one.
     doubt : str

@@ -1,7 +1,8 @@
 """Tolerances of the reaction, one of zero included, and how uncertain a method may be that is judged.
 
 A tolerance is a floor for what neither method states, and the uncertainties that both state. Where a method is too uncertain, only the
-floor counts: no uncertainty, however large, turns a difference into agreement.
+floor counts: no uncertainty, however large, turns a difference into agreement. Reactions are in N, moments in N m; under a live load the
+multiplier, which has no unit, takes their place.
 """
 
 from dataclasses import dataclass
