@@ -88,6 +88,8 @@ def test_a_value_far_from_every_limit_of_its_mechanism_is_one_of_locked_in_stres
     for interval, is_locked_in in (
         ((0.5 * known.value, math.inf), True),
         ((0.9 * known.value, math.inf), False),
+        ((0.9 * known.value, 9.0 * known.value), False),
+        ((0.5 * known.value, 9.0 * known.value), True),
         ((-math.inf, math.inf), False),
         ((math.nan, math.nan), False),
     ):

@@ -19,7 +19,8 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
-from la_core.coulomb.several_paths import on_one_plateau
+from la_core.coulomb.plateau import Plateau
+from la_core.coulomb.several_paths import SAFETY, on_one_plateau, stated_uncertainty
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 
@@ -105,6 +106,13 @@ def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list
     """Where blocks turn, their order decides which path has which axes: it must not decide whether there is an answer."""
     paths = [ended(*end) for end in ends]
     assert on_one_plateau(paths) == [paths[i] for i in chosen]
+
+
+@pytest.mark.parametrize(("end", "mean"), [(0.303, 0.3), (0.3, 0.303)])
+def test_what_paths_differ_by_at_their_end_or_on_their_way_is_uncertain(end: float, mean: float) -> None:
+    """Both come to one plateau, which shows neither change nor scatter."""
+    coarse, fine = (SimpleNamespace(smooth_error=0.0, plateau=Plateau(*values, 0.0, 0.0, 1.0)) for values in ((end, mean), (0.3, 0.3)))
+    assert stated_uncertainty(fine, [coarse, fine]) == pytest.approx(SAFETY * 0.003)
 
 
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
