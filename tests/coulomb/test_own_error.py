@@ -115,6 +115,13 @@ def test_what_paths_differ_by_at_their_end_or_on_their_way_is_uncertain(end: flo
     assert stated_uncertainty(fine, [coarse, fine]) == pytest.approx(SAFETY * 0.003)
 
 
+def test_a_curve_that_is_not_flat_may_still_change_by_three_times_its_last_change() -> None:
+    """A flat one by as much as its last change; what scatters by more is as doubtful as it scatters."""
+    assert Plateau(0.3, 0.3, 1e-4, 0.0, 1.0).doubt == 1e-4
+    assert Plateau(0.3, 0.3, 1e-3, 0.0, 1.0).doubt == pytest.approx(3e-3)
+    assert Plateau(0.3, 0.3, 1e-3, 5e-3, 1.0).doubt == 5e-3
+
+
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     """A step across a jump, or a state in motion, is no limit state: its power balance misses."""
     assembly, stiffness = problem(great_wall(0.6, 1.6))
