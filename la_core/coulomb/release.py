@@ -71,8 +71,7 @@ def released(
             return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)
-    is_certified = chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and chosen.end.last.progress >= least_travel(turning)
-    if not (is_certified and uncertainty <= BROAD * reference_size(value)):
+    if not (chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and uncertainty <= BROAD * reference_size(value)):
         return Released(iterations=iterations, is_doubtful=True)
     unit = joints.value_in_units(1.0)
     is_doubtful = uncertainty > EARLY * reference_size(value)
