@@ -21,6 +21,7 @@ import numpy as np
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State, Target, Trial, advance
 from la_core.coulomb.path.tangent import Tangent
+from la_core.model import ELASTIC_SHARE
 
 FIRST_STEP = 0.05  # of the elastic sag
 LONGEST_STEP, LONGEST_SHARE = 0.05, 0.25  # of the travel, or of the progress where that is more
@@ -32,7 +33,7 @@ EASY, SLIGHT_CHANGE = 8, 0.6  # iterations of a step, and share of its largest c
 AIMED_CHANGE = 0.8  # of its largest change: a step that changed more is shortened in proportion, to this
 SHORTEST_STEP = 1e-13  # of the travel
 AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
-SAGS = 300.0  # least travel over the elastic sag: the strain of the joints must not pass for a mechanism
+SAGS = 1.0 / ELASTIC_SHARE  # least travel over the elastic sag; more than one travel where the scene's own joints are softer
 
 
 @dataclass(frozen=True)
