@@ -10,9 +10,14 @@ from la_core.coulomb import (
     EquilibriumPath,
     follow_path,
 )
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene
 
+VISCOUS = 1e-2  # viscosity in multiples of the weight: the drag of a structure that moves at unit rate is as many weights
 RISE = 1e-3  # of the reaction at rest: what an unconverged step may add to a falling curve
 
 
@@ -68,3 +73,17 @@ def test_path_that_breaks_off_is_shorter(monkeypatch) -> None:
     monkeypatch.setattr("la_core.coulomb.path.implicit_step.MOST_ITERATIONS", 0)
     path = follow_path(assembly, stiffness, stiffness.travel, 4)
     assert len(path.value) == len(path.settlement) == len(path.converged) < 5
+
+
+def test_the_multiplier_of_a_curve_is_without_the_drag() -> None:
+    """A block that slides on its bed at unit rate: its load bears friction and drag, and the curve tells friction alone."""
+    bed, block = scenes.box("bed", (-5.0, 0.0, -1.0), (5.0, 0.2, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.2))
+    assembly, stiffness = problem(scenes.build(bed, block, friction=0.4, inset=0.001, live=(1.0, 0.0, 0.0)))
+    joints = ElasticJoints(assembly, stiffness)
+    tangent = Tangent(joints)
+    rest, _ = come_to_rest(joints, tangent)
+    assert rest is not None
+    path = QuasiStaticPath(joints, tangent, rest, Falling(VISCOUS, VISCOUS, 1.0))
+    *_, last = path.advance_to(1.0)
+    assert joints.value_in_units(path.value(path.last)) == pytest.approx(0.4 + VISCOUS, rel=1e-6)
+    assert joints.value_in_units(last.value) == pytest.approx(0.4, rel=1e-6)
