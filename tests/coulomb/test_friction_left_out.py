@@ -1,13 +1,18 @@
 """Friction is left out only where no joint slides, and there it changes nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scenes
+from coulomb_problems import problem
 from reduced_models import SOLVER, arch, with_friction
 
 from la_core.analysis.decisions import decided_model
+from la_core.analysis.prediction import _without_history
 from la_core.analysis.stage import analyse
-from la_core.coulomb.sliding import SLIDING_SHARE, slides_in_mechanism
+from la_core.coulomb import sliding
+from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, look_for_sliding, slides_in_mechanism
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures.mechanism import moving, sliding_share
@@ -140,3 +145,24 @@ def test_blocks_that_are_lifted_off_do_not_slide_by_rounding_errors() -> None:
     assert answer.coulomb is not None and answer.coulomb.status is Status.SOLVED
     assert answer.coulomb.value == pytest.approx(1.0, abs=SOLVER)
     assert answer.coulomb.uncertainty <= SOLVER
+
+
+def test_friction_stays_where_the_strain_of_the_joints_keeps_the_value_from_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    assembly, stiffness = problem(scenes.shipped("arch_spreading"))
+    bound = solve_associated(assembly, Drive.YIELDING)
+    assert not look_for_sliding(assembly, stiffness, bound, 0.0).found
+    monkeypatch.setattr(sliding, "SAME_VALUE", 0.0)  # nothing is as near as that
+    search = look_for_sliding(assembly, stiffness, bound, 0.0)
+    assert search.found and "strain of the joints" in search.reason
+
+
+@pytest.mark.parametrize(("apart", "uncertainty", "is_known"), [(0.5, 0.0, True), (2.0, 0.0, False), (2.0, 1.5, True)])
+def test_sharp_edges_have_a_value_where_that_of_rounded_ones_is_the_bound_beyond_doubt(
+    apart: float, uncertainty: float, is_known: bool
+) -> None:
+    """apart, uncertainty: of the prediction, in what still counts as one value."""
+    analysis = analyse(scenes.shipped("arch_spreading"))
+    assert analysis.coulomb is not None
+    one = SAME_VALUE * analysis.bounds[Drive.YIELDING].value
+    coulomb = replace(analysis.coulomb, value=analysis.bounds[Drive.YIELDING].value + apart * one, uncertainty=uncertainty * one)
+    assert (_without_history(replace(analysis.at_inset, coulomb=coulomb), analysis.sharp) is not None) is is_known
