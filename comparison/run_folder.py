@@ -1,5 +1,6 @@
 """Files of a run's folder: results, and copies of the scene and its meshes; one process at a time works there."""
 
+import errno
 import fcntl
 import os
 import re
@@ -76,7 +77,8 @@ def alone_in(folder: Path) -> Iterator[None]:
     The system releases the lock however the process ends. Folders inside have locks of their own and are not touched, because another
     process may be writing there. Raises FolderInUseError where another process holds the lock.
     """
-    with (folder / LOCK).open("a") as lock:
+    lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)  # to write alone would wait for a reader of a pipe in its place
+    try:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -85,6 +87,8 @@ def alone_in(folder: Path) -> Iterator[None]:
             ) from error
         _take_away_unfinished(folder, WRITTEN)
         yield
+    finally:
+        os.close(lock)
 
 
 def _take_away_unfinished(folder: Path, names: Container[str]) -> None:
@@ -93,6 +97,13 @@ def _take_away_unfinished(folder: Path, names: Container[str]) -> None:
         unfinished = _UNFINISHED.fullmatch(path.name)
         if unfinished and unfinished[1] in names and not path.is_dir():
             path.unlink(missing_ok=True)
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a stored file; raises OSError for what is no file, because reading a pipe might never end."""
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "not a file", str(path))
+    return path.read_text(encoding="utf-8")
 
 
 def write_text(path: Path, text: str) -> None:

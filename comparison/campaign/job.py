@@ -17,7 +17,7 @@ from comparison.errors import FolderInUseError, message_of
 from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
-from comparison.run_folder import OUTCOME, alone_in, write_text
+from comparison.run_folder import OUTCOME, alone_in, read_text, write_text
 from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, run_scene
 from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, structural_model
@@ -92,7 +92,7 @@ def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: 
 def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | None:
     """Return the stored outcome of a job; None if its inputs changed, its files are missing, or it has to be repeated."""
     try:
-        stored = json.loads((folder / OUTCOME).read_text(encoding="utf-8"))
+        stored = json.loads(read_text(folder / OUTCOME))
     except (OSError, ValueError, RecursionError):
         return None
     if not isinstance(stored, dict) or stored.get("sum") != _sum_of(stored) or stored.get("inputs") != inputs:

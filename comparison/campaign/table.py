@@ -19,7 +19,7 @@ import numpy as np
 
 from comparison.campaign.columns import COSTS, Column, Kind, result_columns
 from comparison.numbers import plural
-from comparison.run_folder import write_text
+from comparison.run_folder import read_text, write_text
 from la_core import exchange
 from la_core.exchange import ExchangeError, write_whole
 
@@ -76,7 +76,7 @@ def read_table(folder: Path) -> CampaignTable:
     """Read the table of a campaign's folder; raises ExchangeError if it is missing, damaged or changed."""
     path = folder / STORED
     try:
-        stored = json.loads(path.read_text(encoding="utf-8"))
+        stored = json.loads(read_text(path))
     except (FileNotFoundError, NotADirectoryError) as error:
         raise ExchangeError(f"{folder}: holds no results of `crosscheck campaign`; `crosscheck campaign FILE` makes some") from error
     except OSError as error:

@@ -21,7 +21,7 @@ from comparison.judge import (
     yade_summary,
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
-from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, write_text
+from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, read_text, write_text
 from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
@@ -227,7 +227,7 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
 def _stored_summary(folder: Path) -> dict[str, Any]:
     """Return the content of comparison.json, or an empty dict where it is missing or was changed since this program wrote it."""
     try:
-        stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
+        stored = json.loads(read_text(folder / "comparison.json"))
     except (OSError, ValueError, RecursionError):
         return {}
     return stored if isinstance(stored, dict) and stored.get("sum") == _sum_of(stored) else {}

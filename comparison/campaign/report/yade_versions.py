@@ -7,6 +7,7 @@ from typing import Any
 
 from comparison.campaign.row_values import own_folder
 from comparison.campaign.table import CampaignTable
+from comparison.run_folder import read_text
 
 NAME = "yade_version"
 
@@ -24,7 +25,7 @@ def with_versions(table: CampaignTable) -> CampaignTable:
 def _version(path: Path) -> str:
     """Return the version in a comparison.json; "" without one, or for a damaged or unreadable file."""
     try:
-        stored: Any = json.loads(path.read_text(encoding="utf-8"))
+        stored: Any = json.loads(read_text(path))
         return str(stored["yade"]["version"] or "")
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return ""
