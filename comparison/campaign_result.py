@@ -1,5 +1,6 @@
 """Campaigns from Python: run or read one, show its rows as a table, compare two."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -179,7 +180,7 @@ def run_campaign(
     defined = definition.load_campaign(path)
     place = folder_of_results(default_folder(path) if folder is None else folder)
     runs_yade = defined.file.yade and yade
-    whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=limit)
+    whole = Campaign(defined, expand(defined), Path(os.path.realpath(place)), runs_yade, time_limit=limit)
     console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
     with CampaignNarration(console, defined.title) as narration:
         return _result_of(run_cases(whole, Local(count, runs_yade), narration, write_campaign_report))

@@ -57,6 +57,10 @@ NEXT_STEPS = {
     "read-only": (errno.EROFS, "can be written"),
     "closed": (errno.EACCES, "can be written"),
     "not permitted": (errno.EPERM, "can be written"),
+    "file too large": (errno.EFBIG, "ulimit -f"),
+    "too many open files": (errno.EMFILE, "ulimit -n"),
+    "name too long": (errno.ENAMETOOLONG, "a shorter name"),
+    "links in a loop": (errno.ELOOP, "a link leads to itself"),
 }
 
 
@@ -70,6 +74,13 @@ def test_a_folder_in_the_place_of_a_result_brings_a_next_step(tmp_path: Path, ca
     (tmp_path / "two_pads" / "case.h5").mkdir(parents=True)
     assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]) == TOOL
     one_message(capsys.readouterr().err, "case.h5: Is a directory; a folder stands where a file is needed")
+
+
+def test_a_folder_that_is_a_link_to_itself_is_no_error_of_the_program(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "friction.toml").write_text('[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.3, 0.6] }\n')
+    assert main(["campaign", str(tmp_path / "friction.toml"), "--no-yade", "-q", "-o", str(tmp_path / "loop")]) == TOOL
+    one_message(capsys.readouterr().err, "loop: File exists: a file stands where a folder is needed")
 
 
 def test_a_run_leaves_no_pipe_of_yade_open(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 from comparison.campaign import (
     Campaign,
@@ -45,7 +46,7 @@ def execute(context: Context) -> int:
         raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet": pip install pyarrow')
     path = find_campaign(options.campaign)
     campaign_definition = definition.load_campaign(path)
-    folder = (options.output or default_folder(path)).resolve()
+    folder = Path(os.path.realpath(options.output or default_folder(path)))  # unlike `resolve`, it takes a link to itself
     yade = campaign_definition.file.yade and not options.no_yade
     cases = expand(campaign_definition)
     _warn(cases, context)
