@@ -31,6 +31,7 @@ _WITH_A_MESSAGE = (
 )  # fmt: skip
 
 
+_NO_ROOM = "failed to map segment"  # says the system's loader where memory is too short for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
 _NEXT_STEP = {  # by the number of a system's error
@@ -58,7 +59,7 @@ def message_of(error: BaseException) -> str:
         step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""
         nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # what writes files names them
         return f"{error.filename or nameless}: {error.strerror or error}{step}"
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _NO_ROOM in str(error)):
         return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
     if isinstance(error, KeyboardInterrupt):
         return "stopped; finished stages are kept, and the same command continues from there"

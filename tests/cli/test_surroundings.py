@@ -70,6 +70,11 @@ def test_a_disk_that_refuses_brings_a_next_step(number: int, step: str) -> None:
     assert step in message_of(OSError(number, os.strerror(number), "case.h5"))
 
 
+def test_a_library_that_memory_is_too_short_for_is_no_error_of_the_program() -> None:
+    message = message_of(ImportError("_imaging.so: failed to map segment from shared object"))
+    assert message.startswith("out of memory (_imaging.so: ") and "more memory" in message
+
+
 def test_a_folder_in_the_place_of_a_result_brings_a_next_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "two_pads" / "case.h5").mkdir(parents=True)
     assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]) == TOOL
