@@ -114,8 +114,8 @@ def _notes(comparison: dict[str, Any]) -> Iterator[str]:
     yield from _first_verdict(comparison)
     yield from comparison.get("notes") or []
     effects = comparison.get("effects") or {}
-    if effects.get("friction") == "coulomb" and effects.get("rotation") == "small":
-        yield f"Rotations of the blocks are small: {effects['reasons']['rotation']}."
+    if effects.get("friction") == "coulomb" and effects.get("rotation") == "small" and (reason := effects["reasons"].get("rotation")):
+        yield f"Rotations of the blocks are small: {reason}."  # results of version 0.2.0 have no reason
     yield from _joint_notes(comparison)
 
 

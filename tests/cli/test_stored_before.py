@@ -8,6 +8,8 @@ import pytest
 
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
+from comparison.numbers import Units
+from comparison.report.scene_view import view_of_scene
 from comparison.yade import read_results
 
 BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
@@ -43,6 +45,18 @@ def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None)
     for then, today in zip(before["checks"], now["checks"], strict=True):  # an expected value is met by one method: it agrees with nobody
         said = "expected" if then["name"].startswith("expected") else then["verdict"]
         assert (today["name"], today["verdict"]) == (then["name"], said)
+
+
+def test_a_report_takes_results_that_do_not_say_why_rotations_are_small(stored: Path) -> None:
+    """Where joints slide the report gives that reason; version 0.2.0 knew no other rotations, so that it stored none."""
+    before = json.loads((BEFORE / "two_pads" / "comparison.json").read_text(encoding="utf-8"))
+    effects = before["effects"] | {"friction": "coulomb", "rotation": "small"}
+    assert "rotation" not in effects["reasons"]
+    assert view_of_scene(stored, 1, before | {"effects": effects}, Units(before["weight"]))["notes"] == []
+    effects["reasons"]["rotation"] = "nothing turns"
+    assert view_of_scene(stored, 1, before | {"effects": effects}, Units(before["weight"]))["notes"] == [
+        "Rotations of the blocks are small: nothing turns."
+    ]
 
 
 def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
