@@ -1,5 +1,6 @@
 """The parts of the record of a YADE run: how it ended, its series over time and its stored states."""
 
+from collections.abc import ItemsView, Iterator, KeysView, ValuesView
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,10 +11,31 @@ STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
 
 class _Named:
-    """Access to attributes by their name in `run.h5`, too: `run.result["reaction"]` is `run.result.reaction`."""
+    """Access to attributes by their name in `run.h5`, too: `run.result["reaction"]` is `run.result.reaction`.
+
+    In version 0.2.0 these were dictionaries: what iterates over names, or asks for one, works as it did.
+    """
 
     def __getitem__(self, name: str) -> Any:
-        return getattr(self, name)
+        return vars(self)[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(vars(self))
+
+    def __contains__(self, name: object) -> bool:
+        return name in vars(self)
+
+    def keys(self) -> KeysView[str]:
+        """Return the names."""
+        return vars(self).keys()
+
+    def values(self) -> ValuesView[Any]:
+        """Return the values, in the order of the names."""
+        return vars(self).values()
+
+    def items(self) -> ItemsView[str, Any]:
+        """Return names with their values."""
+        return vars(self).items()
 
 
 class _Series(_Named):

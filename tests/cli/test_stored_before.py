@@ -32,6 +32,18 @@ def test_both_methods_results_are_read_value_by_value(stored: Path) -> None:
         assert getattr(results.recorded.result, name) == value
 
 
+def test_what_was_a_dictionary_is_read_as_one(stored: Path) -> None:
+    """The three parts of YADE's record have attributes today; a script of then asks by name, and iterates over names."""
+    run = read_results(stored / "two_pads").recorded
+    assert run is not None
+    for part in (run.result, run.record, run.poses):
+        assert list(part) == list(part.keys()) == list(dict(part)) and "settlement" in part and "sediment" not in part
+        for (name, value), same in zip(part.items(), part.values(), strict=True):
+            assert value is same is part[name] is getattr(part, name)
+        with pytest.raises(KeyError, match="sediment"):
+            part["sediment"]
+
+
 def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None) -> None:
     assert main(["report", str(stored), "-q"]) == AGREE
     before, now = (json.loads((folder / "two_pads" / "comparison.json").read_text(encoding="utf-8")) for folder in (BEFORE, stored))
