@@ -37,6 +37,8 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         value = f"{format_number(answer, 5)}{unit}" if exists(answer) else status
         return {"method": method, "answer": value, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
 
+    is_of_0_2_0 = coulomb.get("steps") and not coulomb.get("viscosities")  # its path was a sequence of associated programmes
+    counted = "associated programmes" if is_of_0_2_0 else "Newton iterations"
     residuals = [associated[name] for name in evidence if exists(associated.get(name))]
     accuracy = f"largest residual {format_number(max(residuals), 2)}" if residuals else DASH
     answer = results["multiplier"] if results["live"] else results["least"]
@@ -49,7 +51,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         parts = (stated, results["plateaus"], f"interval {results['interval']}{width}")
         accuracy = "; ".join(part for part in parts if part)
         paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
-        work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} Newton iterations"
+        work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} {counted}"
         yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
         values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
@@ -57,7 +59,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         accuracy = f"largest share of drag {format_number(max(residuals, default=None), 2)}"
         missed = (path.get("converged") or []).count(False)
         accuracy += f"; {plural(missed, 'increment')} not reached" if missed else ""
-        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} Newton iterations"
+        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} {counted}"
         yield row(
             "limit analysis, path",
             units.value(values[-1], str(comparison.get("unit", "N"))) if values else None,

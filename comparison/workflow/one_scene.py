@@ -38,6 +38,9 @@ from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
 INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # a YADE that is missing has written no log
+LIVE_WITHOUT_YADE = (
+    "A live load is a matter of limit analysis alone, so YADE was not run."  # version 0.2.0 stored it; YADE runs live loads now
+)
 AFTER_RELEASE = (
     'Rotations are finite ([effects] rotation = "finite"): both methods answer for a motion after which turning blocks have released '
     "the thrusts that friction locked in."
@@ -124,7 +127,7 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         previous = _stored_summary(folder)
         yade = yade_summary(results.run) if results.run else _without_run(previous.get("yade"), folder)
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
-        notes = previous.get("notes") or _notes(results.analysis)
+        notes = [note for note in previous.get("notes") or [] if note != LIVE_WITHOUT_YADE] or _notes(results.analysis)
         outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
         return _compare(outcome, folder, listener, None)
 

@@ -10,6 +10,7 @@ from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
+from comparison.workflow.one_scene import LIVE_WITHOUT_YADE, _sum_of
 from comparison.yade import read_results
 
 BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
@@ -69,6 +70,16 @@ def test_a_report_takes_results_that_do_not_say_why_rotations_are_small(stored: 
     assert view_of_scene(stored, 1, before | {"effects": effects}, Units(before["weight"]))["notes"] == [
         "Rotations of the blocks are small: nothing turns."
     ]
+
+
+def test_a_stored_note_that_yade_cannot_run_live_loads_is_left_out(stored: Path, plain_figures: None) -> None:
+    """The note stood beside every live load; a note that stays true is kept."""
+    path = stored / "two_pads" / "comparison.json"
+    for notes, kept in (([LIVE_WITHOUT_YADE], []), ([LIVE_WITHOUT_YADE, "kept"], ["kept"])):
+        summary = json.loads(path.read_text(encoding="utf-8")) | {"notes": notes, "inputs": "older"}
+        path.write_text(json.dumps(summary | {"sum": _sum_of(summary)}), encoding="utf-8")
+        assert main(["report", str(stored), "-q"]) == AGREE
+        assert json.loads(path.read_text(encoding="utf-8"))["notes"] == kept
 
 
 def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:

@@ -97,6 +97,14 @@ def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_unce
     assert row.count("±") == 1  # YADE's
 
 
+def test_the_work_of_a_prediction_of_version_0_2_0_is_counted_in_what_it_solved(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"] |= {"viscosities": [], "steps": 8}
+    for text in page_and_markdown(tmp_path, comparison):
+        assert "8 steps, 19 associated programmes" in text and "2 increments, 43 associated programmes" in text
+        assert "Newton iterations" not in text
+
+
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     table = page[page.index("Measures of the mechanisms") :]
