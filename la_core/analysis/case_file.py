@@ -14,7 +14,7 @@ from la_core import exchange
 from la_core.analysis import reach
 from la_core.analysis.modelling import drives
 from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
-from la_core.analysis.result import Answers, LimitAnalysis, record_from_text, record_to_text
+from la_core.analysis.result import Answers, LimitAnalysis, record_from_text, record_to_text, with_one_fall
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.digests import code_digest
 from la_core.geometry import Interfaces
@@ -186,7 +186,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], p
         if data["blocks/aside"].any():
             assembly = reach.set_aside(assembly, data["blocks/aside"].astype(bool))
         bounds = {drive: _solution(data, f"limit_analysis/associated{suffix}/{drive.group}") for drive in drives(scene)}
-        return Answers(assembly, bounds, _coulomb(data, f"coulomb{suffix}") if f"coulomb{suffix}" in predictions else None)
+        return Answers(assembly, with_one_fall(bounds), _coulomb(data, f"coulomb{suffix}") if f"coulomb{suffix}" in predictions else None)
 
     at_inset = answers(whole, "")
     _refuse_another(path, scene, at_inset.assembly, data)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from la_core.analysis.modelling import StructuralModel, drives, wedging
 from la_core.analysis.prediction import with_prediction
-from la_core.analysis.result import Answers, LimitAnalysis
+from la_core.analysis.result import Answers, LimitAnalysis, with_one_fall
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import EquilibriumPath, follow_path
 from la_core.limit import Drive, ScaledProblem, Solution, Status, scaled_problem, solve_associated
@@ -75,10 +75,7 @@ def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
     found = side_by_side(solved, [(drive, chain) for drive in asked for chain in chains])
     in_turn = [solution for solutions in found for solution in solutions]  # drive by drive, each with all assemblies
     every = len(assemblies)
-    return [Answers(assembly, _alike(dict(zip(asked, in_turn[number::every], strict=True)))) for number, assembly in enumerate(assemblies)]
-
-
-def _alike(bounds: dict[Drive, Solution]) -> dict[Drive, Solution]:
-    """Return the bounds of one assembly: where it cannot stand under one drive, that is the answer of each drive without a value."""
-    fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
-    return {drive: solution if fallen is None or solution.status is Status.SOLVED else fallen for drive, solution in bounds.items()}
+    return [
+        Answers(assembly, with_one_fall(dict(zip(asked, in_turn[number::every], strict=True))))
+        for number, assembly in enumerate(assemblies)
+    ]

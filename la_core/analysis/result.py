@@ -288,6 +288,12 @@ def _worst(residuals: Iterable[float]) -> float:
     return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
 
 
+def with_one_fall(bounds: dict[Drive, Solution]) -> dict[Drive, Solution]:
+    """Return the bounds of one assembly: where it cannot stand under one drive, that is the answer of each drive without a value."""
+    fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
+    return {drive: solution if fallen is None or solution.status is Status.SOLVED else fallen for drive, solution in bounds.items()}
+
+
 def _distinct(analysis: LimitAnalysis) -> list[Solution]:
     """Return every computed solution once: equal insets and unstable structures share solutions."""
     return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())

@@ -10,7 +10,7 @@ from exchange_files import FIELDS, VALUES, write_wall, write_whole
 
 from la_core import exchange
 from la_core.analysis.case_file import read_case, scene_digest, write_case
-from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.result import LimitAnalysis, associated_values
 from la_core.analysis.stage import analyse
 from la_core.exchange.checksummed_file import ExchangeError
 from la_core.exchange.fields import CASE_FIELDS
@@ -74,6 +74,7 @@ def test_case_that_cannot_stand_comes_back_with_the_names_of_what_falls(tmp_path
     write_case(tmp_path / "case.h5", analysis, "")
     back = read_case(tmp_path / "case.h5", scene)
     assert back.bounds[Drive.YIELDING].falling == ("overhang",) and np.isnan(back.bounds[Drive.YIELDING].value)
+    assert associated_values(back)["seconds"] == associated_values(analysis)["seconds"]  # the search for what falls counts once
 
 
 def test_case_of_a_live_load(tmp_path) -> None:

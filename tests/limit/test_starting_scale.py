@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.analysis import one_pass
 from la_core.analysis.modelling import structural_model
+from la_core.analysis.result import with_one_fall
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.conic import Programme
 from la_core.limit.problem import Drive, scaled_problem
@@ -94,6 +94,6 @@ def test_a_structure_that_falls_under_one_drive_keeps_the_confirmed_bound_of_the
     assembly, _ = pair(wall(True, 4))
     solved = solve_associated(assembly, Drive.YIELDING)
     fallen, unbounded = (replace(solved, status=status) for status in (Status.INFEASIBLE, Status.UNBOUNDED))
-    assert one_pass._alike({Drive.YIELDING: solved, Drive.PUSHING: fallen}) == {Drive.YIELDING: solved, Drive.PUSHING: fallen}
-    assert one_pass._alike({Drive.YIELDING: unbounded, Drive.PUSHING: fallen}) == {Drive.YIELDING: fallen, Drive.PUSHING: fallen}
-    assert one_pass._alike({Drive.YIELDING: unbounded, Drive.PUSHING: solved}) == {Drive.YIELDING: unbounded, Drive.PUSHING: solved}
+    assert with_one_fall({Drive.YIELDING: solved, Drive.PUSHING: fallen}) == {Drive.YIELDING: solved, Drive.PUSHING: fallen}
+    assert with_one_fall({Drive.YIELDING: unbounded, Drive.PUSHING: fallen}) == {Drive.YIELDING: fallen, Drive.PUSHING: fallen}
+    assert with_one_fall({Drive.YIELDING: unbounded, Drive.PUSHING: solved}) == {Drive.YIELDING: unbounded, Drive.PUSHING: solved}
