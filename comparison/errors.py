@@ -1,6 +1,7 @@
 """Errors that stop a command, besides a faulty scene, and their one message."""
 
 import errno
+from pathlib import Path
 
 from la_core.errors import SceneError, missing_part
 from la_core.exchange import ExchangeError
@@ -53,7 +54,9 @@ def message_of(error: BaseException) -> str:
     if isinstance(error, _WITH_A_MESSAGE):
         return str(error)
     if isinstance(error, FileExistsError | NotADirectoryError) and error.filename:
-        said = "a file stands where a folder is needed; rename it, or choose another folder with -o"
+        place = Path(error.filename)
+        what = "a link that leads nowhere" if place.is_symlink() and not place.exists() else "a file"
+        said = f"{what} stands where a folder is needed; rename it, or choose another folder with -o"
         return f"{error.filename}: {error.strerror or 'File exists'}: {said}"
     if isinstance(error, OSError):
         step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""

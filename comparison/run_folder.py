@@ -24,7 +24,8 @@ MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
 OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
-OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
+DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on
+OF_CAMPAIGN = (DEFINITION, "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
 _UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished files, from `la_core.exchange.checksummed_file`
 
@@ -50,8 +51,9 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
 def folder_of_results(folder: Path | str) -> Path:
     """Return the folder that an argument gives for results; raises SceneError where it is no path, or a file stands in its way."""
     path = path_of("folder", folder)
-    if files := [place for place in (path, *path.parents) if place.exists() and not place.is_dir()]:
-        raise SceneError("folder", f"a file, {files[0]}, stands where a folder is needed", value=str(path), hint="choose another folder")
+    if files := [place for place in (path, *path.parents) if os.path.lexists(place) and not place.is_dir()]:
+        what = "a file" if files[0].exists() else "a link that leads nowhere"
+        raise SceneError("folder", f"{what}, {files[0]}, stands where a folder is needed", value=str(path), hint="choose another folder")
     return path
 
 

@@ -156,7 +156,8 @@ def _read(path: Path) -> dict[str, Any]:
             raise SettingError(str(path), f"larger than {LARGEST_FILE} bytes, so it is no file of settings")
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
-        raise SettingError(str(path), f"cannot be read: {error.strerror}", hint="settings are read from there") from error
+        step = "settings are read from there; make it readable, or set XDG_CONFIG_HOME to another folder"
+        raise SettingError(str(path), f"cannot be read: {error.strerror}", hint=step) from error
     except (ValueError, RecursionError) as error:  # UnicodeDecodeError is a ValueError, too
         raise SettingError(str(path), f"not valid TOML: {error}", hint="settings are read from there") from error
 

@@ -15,7 +15,7 @@ from comparison.campaign.definition import Definition
 from comparison.campaign.job import LOADED, Job, JobOutcome, digest, stored_outcome
 from comparison.progress import CampaignNarration
 from comparison.provenance import describe
-from comparison.run_folder import REPORTS, alone_in, write_text
+from comparison.run_folder import DEFINITION, REPORTS, alone_in, write_text
 from la_core.exchange import ExchangeError
 from la_core.limit import ClassicParameters
 
@@ -92,7 +92,7 @@ def run_cases(
     """
     campaign.folder.mkdir(parents=True, exist_ok=True)
     with alone_in(campaign.folder):
-        write_text(campaign.folder / "campaign.toml", campaign.definition.text)
+        write_text(campaign.folder / DEFINITION, campaign.definition.text)
         began, outcomes = time.monotonic(), dict[str, JobOutcome]()
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))

@@ -9,7 +9,7 @@ from typing import Any, Self
 from rich.console import Console
 from rich.table import Table
 
-from comparison.cli.layout import columns_asked, say, show_table
+from comparison.cli.layout import StderrConsole, columns_asked, say, show_table
 from la_core.errors import visible
 from la_core.scene import Scene
 
@@ -37,8 +37,7 @@ class Context:
     @classmethod
     def of(cls, options: argparse.Namespace) -> Self:
         """Return the context of these options."""
-        narrator = Console(stderr=True, quiet=options.quiet, highlight=False, emoji=False, soft_wrap=True)
-        return cls(options, narrator, _results_console())
+        return cls(options, StderrConsole(options.quiet), _results_console())
 
     def warn(self, scene: Scene) -> None:
         """Print what is implausible about a scene on stderr, one paragraph each, also with `--quiet`."""
@@ -47,8 +46,7 @@ class Context:
 
     def warn_of(self, what: str, warning: str) -> None:
         """Print one warning on stderr, with what it is about, also with `--quiet`."""
-        console = Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
-        say(console, visible(f"warning: {what}: {warning}"))
+        say(StderrConsole(), visible(f"warning: {what}: {warning}"))
 
     def table(self, table: Table, can_go: Sequence[str] = ()) -> None:
         """Print a table on stdout; `can_go`: columns that a narrow one leaves out without `--long`, the first to go first."""

@@ -1,14 +1,11 @@
 """Exit codes of the contract; a command that fails ends with one message on stderr."""
 
-import contextlib
 import io
 import os
 import sys
 from collections.abc import Callable
 
-from rich.console import Console
-
-from comparison.cli.layout import say
+from comparison.cli.layout import StderrConsole, say
 from comparison.errors import message_of
 from la_core.errors import CannotStandError, SceneError, visible
 
@@ -54,8 +51,7 @@ def _code(error: BaseException) -> int:
 
 def complain(message: str, code: int) -> int:
     """Print an error message on stderr, with control characters escaped, and return the exit code."""
-    with contextlib.suppress(OSError):  # where nobody can be told, the exit code still says it
-        say(Console(stderr=True, highlight=False, emoji=False, soft_wrap=True), f"error: {visible(message)}")
+    say(StderrConsole(), f"error: {visible(message)}")  # where nobody can be told, the exit code still says it
     return code
 
 

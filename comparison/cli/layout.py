@@ -1,8 +1,10 @@
 """Fit what is printed to the width of the terminal: columns that a table can spare go first, sentences break between words."""
 
+import contextlib
 import os
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -12,6 +14,27 @@ from comparison.numbers import DASH
 
 LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 INDENT = "  "  # of the second and later lines of a sentence
+
+
+class StderrConsole(Console):
+    """Console for narration and warnings; work goes on where a full disk or a terminal that has gone takes no more words.
+
+    Parameters
+    ----------
+    quiet : bool
+        Whether to print nothing.
+    has_bars : bool
+        Whether bars may be shown where stderr is a terminal.
+    """
+
+    def __init__(self, quiet: bool = False, has_bars: bool = True) -> None:
+        as_terminal = None if has_bars else False
+        super().__init__(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=as_terminal)
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        """Print, or lose the words."""
+        with contextlib.suppress(OSError):
+            super().print(*objects, **options)
 
 
 def columns_asked() -> int | None:

@@ -228,6 +228,12 @@ def test_the_report_of_an_interrupted_campaign_tells_of_the_cases_that_ended_and
     assert table.read_table(out).unfinished == read_campaign(out).unfinished == ""
 
 
+def test_a_campaign_killed_before_its_first_table_is_told_how_to_go_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "campaign.toml").touch()
+    assert main(["report", str(tmp_path)]) == 2
+    assert "holds a campaign that was ended before its first table" in capsys.readouterr().err
+
+
 def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,10 @@ import pytest
 from faulty_runs import ROOT, TOOL, one_message
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import AGREE
 from comparison.errors import message_of
+from comparison.run_folder import folder_of_results
+from la_core.errors import SceneError
 
 USAGE = 2
 
@@ -28,9 +31,15 @@ def test_closed_streams_take_what_is_printed(streams: str, tmp_path: Path) -> No
     assert (tmp_path / "out" / "report.html").exists()
 
 
-@pytest.mark.parametrize(("words", "code"), [("solve two_pads", TOOL), ("solve nothing_of_that_name", USAGE), ("no_command", USAGE)])
+@pytest.mark.parametrize(("words", "code"), [("solve nothing_of_that_name", USAGE), ("no_command", USAGE)])
 def test_an_error_that_nobody_can_be_told_is_no_disagreement(words: str, code: int) -> None:
     assert by_shell(words, "2>/dev/full").returncode == code
+
+
+def test_work_goes_on_where_nobody_can_be_told_of_it(tmp_path: Path) -> None:
+    """A log on a full disk must not end a campaign of hours."""
+    ended = by_shell(f'run two_pads --no-yade -o "{tmp_path / "out"}"', "2>/dev/full")
+    assert ended.returncode == AGREE and "expected value met" in ended.stdout
 
 
 @pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])
@@ -85,7 +94,9 @@ def test_a_folder_that_is_a_link_to_itself_is_no_error_of_the_program(tmp_path: 
     (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "friction.toml").write_text('[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.3, 0.6] }\n')
     assert main(["campaign", str(tmp_path / "friction.toml"), "--no-yade", "-q", "-o", str(tmp_path / "loop")]) == TOOL
-    one_message(capsys.readouterr().err, "loop: File exists: a file stands where a folder is needed")
+    one_message(capsys.readouterr().err, "loop: File exists: a link that leads nowhere stands where a folder is needed")
+    with pytest.raises(SceneError, match=r"a link that leads nowhere, .*loop, stands where a folder is needed"):
+        folder_of_results(tmp_path / "loop")
 
 
 def test_a_run_leaves_no_pipe_of_yade_open(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
+from comparison.run_folder import DEFINITION
 from comparison.workflow import report_again
 from comparison.yade import among_results
 from la_core.errors import SceneError
@@ -35,6 +36,9 @@ def execute(context: Context) -> int:
         for folder in folders:
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases:
+                if (folder / DEFINITION).is_file():
+                    ended = "holds a campaign that was ended before its first table"
+                    raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
                 hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
                 raise SceneError(str(folder), "holds no results of `crosscheck run`", hint=hint)
             comparisons = []

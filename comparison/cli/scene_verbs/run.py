@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from rich.console import Console
-
 from comparison.cli.context import Context
+from comparison.cli.layout import StderrConsole
 from comparison.errors import FolderInUseError, WorkerLostError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
@@ -72,8 +71,7 @@ def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[d
 
 def _run_quietly(model: StructuralModel, options: argparse.Namespace) -> list[dict[str, Any]]:
     """Run one model in a process of its own, which prints lines and no bars."""
-    console = Console(stderr=True, quiet=options.quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=False)
-    with Narration(console) as narration:
+    with Narration(StderrConsole(options.quiet, has_bars=False)) as narration:
         return list(_run_one(model, options, narration))
 
 
