@@ -169,18 +169,21 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
     own = exchange.present(path, (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
     data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
-    whole = assemble(scene, interfaces)
+    with exchange.values_of(path):
+        stored = json.loads(data["scene/effects"])
+        effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
+    in_space = {} if effects.plane else {"plane": False}  # a run may have restored motion out of the plane
+    modelled = replace(scene, effects=scene.effects.model_copy(update=in_space))
+    whole = replace(assemble(modelled, interfaces), effects=effects)
     with exchange.values_of(path):
         return _analysis(path, scene, whole, data, predictions)
 
 
 def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], predictions: dict[str, bool]) -> LimitAnalysis:
-    """Return the stored analysis; the file must belong to the given assembly of the whole structure."""
+    """Return the stored analysis; the file must belong to the given assembly of the whole structure, with the stored effects."""
     if data["blocks/name"] != list(whole.blocks.names):
         raise exchange.ExchangeError(f"{path}: blocks/name differs from that of {scene.path}; run the scene again")
-    stored = json.loads(data["scene/effects"])
-    effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
-    whole = replace(whole.with_inset(scene, float(data["scene/inset"])), effects=effects)
+    whole = whole.with_inset(scene, float(data["scene/inset"]))
 
     def answers(assembly: Assembly, suffix: str) -> Answers:
         if data["blocks/aside"].any():

@@ -6,6 +6,7 @@ from comparison.judge.checks import prediction
 from comparison.verdict.check import Check, Verdict
 from comparison.workflow import one_scene, restored_effects
 from comparison.yade import Results
+from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 
 
@@ -64,3 +65,17 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]
     assert restored_effects.restore(Results(again, found.run)) is None
+
+
+def test_a_structure_whose_motion_in_space_came_back_is_read_again(tmp_path, monkeypatch, cross_checked) -> None:
+    """The scene itself would be modelled in the plane, so reports and exports took the file for that of another scene."""
+    found = cross_checked("arch_spreading")
+    assert found.analysis.assembly.effects.plane
+    complaint = [Check("plane answer in space", Verdict.INCONCLUSIVE, reason="made up for plane")]
+    monkeypatch.setattr(restored_effects, "check_plane", lambda analysis: complaint if analysis.assembly.effects.plane else [])
+    again = restored_effects.restore(Results(found.analysis, found.run))
+    assert again is not None and again.assembly.effects.called_back == ("plane",) and not again.assembly.effects.plane
+    write_case(tmp_path / "case.h5", again, "")
+    back = read_case(tmp_path / "case.h5", found.scene)
+    assert len(back.assembly.points) == len(again.assembly.points) > len(found.analysis.assembly.points)
+    assert back.assembly.effects == again.assembly.effects and back.main_answer.value == again.main_answer.value
