@@ -17,6 +17,7 @@ from la_core.model import Assembly
 
 LONGEST = 0.2  # of the structure's size: the line of the largest resultant
 SMALLEST = 0.01  # of the largest resultant: smaller ones are left out
+IN_SIGHT = 0.5  # of the joints that bear a force: where blocks hide more, the forces are drawn through the stones
 FORCE, THRUST = "#a3181f", "#0b6e4f"
 
 
@@ -50,7 +51,7 @@ def forces_figure(assembly: Assembly, forces: Mapping[str, np.ndarray], title: s
         shown = np.isfinite(joints.centre).all(axis=1) & (sizes[label] > SMALLEST * largest)
         seen = np.zeros(len(shown), dtype=bool)
         seen[shown] = canvas.seen(joints.centre[shown])
-        if not seen.any():  # a pavement hides all its joints; their forces are drawn through the stones
+        if np.count_nonzero(seen) < IN_SIGHT * np.count_nonzero(shown):  # a pavement hides all its joints, a wall most of them
             seen = shown
         half = 0.5 * LONGEST * structure_size(assembly.blocks) / largest * joints.force
         _lines(canvas, joints.centre[seen] - half[seen], joints.centre[seen] + half[seen], FORCE, 1.6)

@@ -138,6 +138,15 @@ def test_forces_are_seen_through_the_stones_of_a_pavement_that_hides_all_its_joi
     assert max((len(shapes.get_segments()) for shapes in drawn), default=0) == len(assembly.interfaces)
 
 
+def test_forces_are_seen_through_the_stones_of_a_building_that_hides_most_of_its_joints() -> None:
+    assembly = assemble(shipped("corner_settling_end"))
+    x = assembly.points.position[:, 0]
+    forces = np.where(x > x.max() - 0.01, 100.0, 5.0)[:, None] * assembly.normal  # the joints at one end bear in its face, in sight
+    (axes,) = forces_figure(assembly, {"one": forces}).axes
+    drawn = [shapes for shapes in axes.collections if isinstance(shapes, LineCollection)]
+    assert max(len(shapes.get_segments()) for shapes in drawn) == len(assembly.interfaces)
+
+
 def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path: Path) -> None:
     arch, wall = (analyse(shipped(name)).assembly for name in ("arch_spreading", "two_blocks"))
     pairs = thrust_line(arch)
