@@ -62,11 +62,11 @@ def reaction_figure(results: Results) -> Figure:
     scene, analysis, run = results.scene, results.analysis, results.run
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
     FigureCanvasAgg(figure)
-    obstacle = obstacle_of(analysis)
-    if obstacle and run is None:
-        figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
+    obstacle, scales, end = obstacle_of(analysis), scales_of(results), largest_settlement(results)
+    if obstacle and (run is None or not end > 0.0):  # neither a level nor a record
+        words = obstacle if run is None else _status_words(results, obstacle)
+        figure.text(0.5, 0.5, words, ha="center", va="center", fontsize=11, parse_math=False)
         return figure
-    scales, end = scales_of(results), largest_settlement(results)
     is_close = has_plateau(run) or (run is None and end > 0.0)
     whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if is_close else [figure.subplots()]
     panels = [(whole, whole_limits(results)), *((axes, plateau_limits(results)) for axes in close)]

@@ -37,6 +37,17 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
 
+def test_a_run_that_collapsed_before_it_settled_leaves_no_empty_axes(tmp_path: Path) -> None:
+    """They had ticks of 1e-5 kN and of 1e-5 over W."""
+    scene = scene_of(tmp_path, SCENES["falling"])
+    analysis = analyse(scene)
+    run = synthetic_run(analysis, status="collapsed", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
+    run = replace(run, record=replace(run.record, stage=np.zeros(200, dtype=int)))
+    figure = reaction_figure(Results(analysis, run))
+    words = " ".join(text.get_text() for text in figure.texts)
+    assert not figure.axes and "YADE ended as: collapsed" in words and "cannot stand" in words
+
+
 CURVELESS: dict[str, Any] = {"path_settlement": np.zeros(0), "path_value": np.zeros(0)}
 
 
