@@ -86,7 +86,9 @@ class Story:
             at, reaction = at[drawn | (share == 1.0)] / self.scales.settlement, reaction[drawn | (share == 1.0)] / self.scales.reaction
             self.line.set_data(at, reaction)
             self.tip.set_data(at[-1:], reaction[-1:])
-            title += "".join(f"; YADE's R = {format_number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
+            value_name = "R" if self.scene.live is None else "multiplier"
+            values = (f"{format_number(value, 4)} {self.scales.reaction_unit}".rstrip() for value in reaction[-1:])
+            title += "".join(f"; YADE's {value_name} = {value}" for value in values)
         self.reading.set_text(title)
 
     def _draw_blocks(self, canvas: Canvas, method: Motion, settlement: float) -> None:

@@ -109,7 +109,9 @@ def at_joints_of_yade(results: Results) -> str:
     times = results.stiffening
     if math.isnan(times) or math.isclose(times, 1.0, rel_tol=ROUND_OFF):
         return ""
-    return f"\nat the settlement of YADE's joints ({format_number(times, 3)} times as stiff)"
+    scene = results.scene
+    motion = "displacement" if scene.live is not None else "rotation" if scene.is_rotation else "settlement"
+    return f"\nat the {motion} of YADE's joints ({format_number(times, 3)} times as stiff)"
 
 
 def scales_of(results: Results) -> Scales:

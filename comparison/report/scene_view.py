@@ -33,7 +33,7 @@ FIGURES = {  # in the order of the page: what happens first, then how much and w
     "forces": ("Forces", "Resultant force of each joint at its centre of pressure; its length shows its size.{thrust}"),
     "assembly": ("Structure", "Blocks by role, interfaces with their contact points, and the motion or load that drives the structure."),
     "dissipation": ("Friction", "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by state."),
-    "animation": ("Animation", "The settlement as an animation: mechanisms of both methods, and YADE's recorded reaction."),
+    "animation": ("Animation", "The motion as an animation: the mechanism of each method that was run, and YADE's record."),
 }
 EVIDENCE = {
     "equilibrium_residual": "largest unbalanced force, over the mean block weight",
@@ -263,13 +263,13 @@ def _level_words(comparison: dict[str, Any]) -> str:
 
 
 def _curve_words(comparison: dict[str, Any]) -> str:
-    """Return at which settlement the figure of the reaction shows the curve of the prediction; "" where it is the curve's own."""
+    """Return at which motion the figure of the reaction shows the curve of the prediction; "" where it is the curve's own."""
     number = "" if (times := stiffening_of(comparison)) == 1.0 else format_number(times, 3)
     stiffer = f"{number} times as stiff as those of limit analysis"
     if (comparison.get("effects") or {}).get("rotation") == "finite":
         joints = f"YADE's joints, {stiffer}," if number else "the joints"
-        return f" The curve is drawn at the settlement at which {joints} have released as much."
-    return f" The curve's settlement is divided by {number}: YADE's joints are {stiffer}." if number else ""
+        return f" The curve is drawn at the motion at which {joints} have released as much."
+    return f" The curve's motion is divided by {number}: YADE's joints are {stiffer}." if number else ""
 
 
 def _is_arch(comparison: dict[str, Any]) -> bool:

@@ -10,6 +10,7 @@ from figure_scenes import SCENES, scene_of, synthetic_run
 
 from comparison.figures import reaction as plot_reaction
 from comparison.figures import reaction_figure, save
+from comparison.figures.reaction_levels import at_joints_of_yade
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -210,6 +211,15 @@ def test_a_bound_that_is_the_prediction_has_its_uncertainty(tmp_path: Path) -> N
     analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=replace(analysis.coulomb, uncertainty=3.0)))
     words = [text.get_text() for axes in reaction_figure(Results(analysis)).axes for text in axes.texts]
     assert "$R_{\\min}$, associated, and Coulomb prediction: 0.330 ± 0.003 kN" in words
+
+
+@pytest.mark.parametrize(("kind", "motion"), [("turning", "rotation"), ("live", "displacement")])
+def test_curves_on_stiffer_joints_name_the_motion_of_their_axis(kind: str, motion: str, tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES[kind]))
+    run = replace(
+        synthetic_run(analyse(scene_of(tmp_path, SCENES["plane"]))), settings={"normal_stiffness": 4.0 * analysis.stiffness.normal}
+    )
+    assert at_joints_of_yade(Results(analysis, run)) == f"\nat the {motion} of YADE's joints (4 times as stiff)"
 
 
 @pytest.mark.parametrize(("times", "told"), [(1.0, ""), (32.0, "\nat the settlement of YADE's joints (32 times as stiff)")])

@@ -96,6 +96,15 @@ def test_labels_of_an_animation_cover_neither_each_other_nor_the_frame() -> None
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
+def test_an_animation_under_a_live_load_tells_the_multiplier(tmp_path: Path) -> None:
+    analysis, settling = (analyse(scene_of(tmp_path, SCENES[kind])) for kind in ("live", "plane"))
+    run = synthetic_run(settling)
+    forces = np.zeros((len(run.poses.settlement), len(analysis.assembly.points), 3))
+    story = Story(Results(analysis, replace(run, poses=replace(run.poses, forces=forces))))
+    story.draw(1.0)
+    assert "; YADE's multiplier = " in story.reading.get_text()
+
+
 def test_figures_give_the_lengths_of_a_run_in_mm(tmp_path: Path) -> None:
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
     run = synthetic_run(analysis, status="collapsed", message="a block has moved 0.000801 m under gravity alone")
