@@ -223,7 +223,7 @@ class Canvas:
 
     def text(self, position: np.ndarray, words: str, points: float) -> None:
         """Write plain text, without markup, centred at a position (3,), with a white halo; `points` is the font size."""
-        style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 7}
+        style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 5.5}  # below arrows
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:

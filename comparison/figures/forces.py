@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from comparison.figures.canvas import INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size
 from comparison.figures.structure import blank_figure, legend_below
-from comparison.numbers import force_unit, format_number, round_below
+from comparison.numbers import force_unit, plain_number, round_below
 from la_core.measures import joint_forces, thrust_line
 from la_core.model import Assembly
 
@@ -86,6 +86,6 @@ def _draw_scale(figure: Figure, assembly: Assembly, largest: float) -> None:
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     x, z = left + 0.03 * (right - left), top - 0.05 * (top - bottom)
     axes.plot([x, x + length], [z, z], color=FORCE, linewidth=2.4, solid_capstyle="butt", zorder=6)
-    words = f"{format_number(force / divisor, 3)} {unit}"
+    words = f"{plain_number(force / divisor, 1)} {unit}"
     place: dict[str, Any] = {"xycoords": "data", "textcoords": "offset points", "fontsize": 8, "va": "center"}
     axes.annotate(words, (x + length, z), (4.0, 0.0), color=INK, **place)

@@ -127,7 +127,7 @@ def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tup
     if "greatest" in lines and lines["greatest"] <= high:
         axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=GREATEST)
     elif "greatest" in lines:
-        above = rf"$R_{{\max}}$ = {lines['greatest']:.4g} {scales.reaction_unit} lies above $\uparrow$"
+        above = rf"$R_{{\max}}$ = {format_number(lines['greatest'])} {scales.reaction_unit} lies above $\uparrow$"
         axes.set_title(above, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
 
 

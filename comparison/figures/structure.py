@@ -32,7 +32,7 @@ from comparison.figures.canvas import (
     window,
 )
 from comparison.figures.motion import DRAWN, drawn_motion
-from comparison.numbers import format_number
+from comparison.numbers import format_number, plain_number
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.measures import ContactState, joint_centres, mechanism
 from la_core.model import Assembly
@@ -278,12 +278,12 @@ def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     """Return the scale of the drawn displacements as a sentence; a travel of 0, m or rad, is unknown."""
     free = "shape of the mechanism, whose size is free: drawn with "
     if assembly.has_live_load or not np.any(assembly.support_twist):
-        return f"{free}a largest displacement of {DRAWN * structure_size(assembly.blocks):.3g} m"
+        return f"{free}a largest displacement of {plain_number(DRAWN * structure_size(assembly.blocks), 3)} m"
     motion, unit = ("rotation", "mrad") if assembly.is_rotation else ("motion", "mm")
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
-        return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"
-    return f"{free}a support {motion} of {1e3 * factor:.3g} {unit}"
+        return f"displacements enlarged about {times} times: the support moved {plain_number(1e3 * travel, 3)} {unit}"
+    return f"{free}a support {motion} of {plain_number(1e3 * factor, 3)} {unit}"
 
 
 def wrapped(title: str) -> str:

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from figure_scenes import LIVE, SCENES, scene_of, synthetic_run
+from figure_scenes import DOWN, LIVE, SCENES, scene_of, synthetic_run
 from matplotlib.text import Text
 from scenes import shipped
 
-from comparison.figures import motions, scene_figures, structure
+from comparison.figures import motions, reaction_figure, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.line_labels import ROW, Word, write_words
@@ -113,6 +113,34 @@ def test_figures_give_the_lengths_of_a_run_in_mm(tmp_path: Path) -> None:
     words = " ".join(text.get_text() for text in scene_figures(Results(analysis, run))["mechanisms"]().findobj(Text))
     assert "collapsed: a block has moved 0.801 mm under" in words
     assert motions(Results(analysis, run)).methods[1].reason == "collapsed: a block has moved 0.801 mm under gravity alone"
+
+
+def test_figures_of_a_large_structure_have_no_powers_of_ten(tmp_path: Path) -> None:
+    """A pier of 30 m had a support motion of 2.7e+03 mm and R_max = 5.472e+04 kN."""
+    large = "".join(
+        f'[[block]]\nname = "{name}"\nrole = "{role}"\nbox = {{ from = [{left}, 0.0, {low}], to = [{right}, 20.0, {top}] }}\n'
+        for name, role, left, right, low, top in (
+            ("fixed", "fixed", 0.0, 12.0, -3.0, 0.0), ("pad", "support", 15.0, 30.0, -3.0, 0.0), ("pier", "free", 0.0, 30.0, 0.0, 20.0)
+        )
+    )  # fmt: skip
+    analysis = analyse(scene_of(tmp_path, large + DOWN))
+    figures = (reaction_figure(Results(analysis, synthetic_run(analysis))), scene_figures(Results(analysis))["mechanisms"]())
+    words = [text.get_text() for figure in figures for text in figure.findobj(Text)]
+    assert any("lies above" in word for word in words) and any("a support motion of" in word for word in words)
+    assert not [word for word in words if "e+" in word]
+
+
+def test_an_arrow_of_a_load_is_seen_above_the_name_of_its_block() -> None:
+    load = {"name": "roof", "blocks": ["block"], "force": [0.0, 0.0, -500.0]}
+    scene = variant(shipped("two_pads"), {"load": [load]})
+    axes = structure.assembly_figure(scene, assemble(scene)).axes[0]
+    names = [text for text in axes.texts if text.get_text() == "block"]
+    arrows = [text for text in axes.texts if getattr(text, "arrow_patch", None) is not None]
+    assert (
+        names
+        and arrows
+        and max(name.get_zorder() for name in names) < min(arrow.get_zorder() for arrow in arrows if arrow.xycoords == "data")
+    )
 
 
 def test_a_point_that_opens_is_seen_around_one_that_slides(tmp_path: Path) -> None:
