@@ -14,6 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from comparison.figures.drawing_order import OuterFaces, back_to_front, unit_normals
+from comparison.figures.line_labels import extent, font_size
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
@@ -227,18 +228,24 @@ class Canvas:
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Write each block's name at its centroid, as large as the block allows there."""
+        """Write each block's name at its centroid, as large as the block allows there; in space, not over the name of one before it."""
         room, _, height = ((self.blocks.high - self.blocks.low) * self.scale).T
         if self.plane:
             room = self.scale * self.outer.room_beside(
                 self.flat(self.blocks.centroid), self.flat(self.blocks.vertices[self.blocks.face_vertex])
             )
-        for name, centre, across, up in zip(self.blocks.names, self.blocks.centroid, room, height, strict=True):
+        written: list[np.ndarray] = []  # lower left and upper right corners (2, 2) of names, m
+        for block in self.order[::-1]:
+            name, centre, across, up = self.blocks.names[block], self.blocks.centroid[block], room[block], height[block]
             whole = name if len(name) <= 24 else name[:23] + "…"
             split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
-            sizes = {words: _font(words, across, up) for words in (whole, split)}
+            sizes = {words: font_size(words, across, up) for words in (whole, split)}
             largest = max(sizes, key=lambda words: sizes[words])
-            self.text(centre, largest, sizes[largest])
+            half = extent(largest, sizes[largest]) / 2.0 / self.scale
+            corners = self.flat(centre) + np.stack([-half, half])
+            if self.plane or not any(np.all((corners[0] < other[1]) & (other[0] < corners[1])) for other in written):
+                written.append(corners)
+                self.text(centre, largest, sizes[largest])
 
     def _scales(self) -> None:
         """Draw axes in space, m: x on the lower front edge, y on the lower right edge, z on the front left edge."""
@@ -265,12 +272,6 @@ class Canvas:
 def arrow_style(colour: str) -> dict[str, Any]:
     """Return the properties of an arrow of this colour."""
     return {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
-
-
-def _font(words: str, width: float, height: float) -> float:
-    """Return the font size (pt) at which words fit into a width and a height (pt), within the allowed sizes."""
-    lines = words.split("\n")
-    return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
 
 
 def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int) -> list[Canvas]:

@@ -1,8 +1,10 @@
-"""Labels beside lines and inside bands, where they fit without covering another line."""
+"""Size of words; labels beside lines and inside bands, where they fit without covering another line."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 ROW = 0.055  # of the height of axes 3.8 inches high: one row of text and its gap to the line
 SIZE = 8.0  # pt
@@ -32,6 +34,17 @@ class Word:
     words: str
     colour: str
     named: tuple[str, ...]
+
+
+def font_size(words: str, width: float, height: float) -> float:
+    """Return the font size (pt) at which words fit into a width and a height (pt), within the allowed sizes."""
+    return float(np.clip(np.min(np.array([width, height]) / extent(words, 1.0)), 5.0, 9.0))
+
+
+def extent(words: str, size: float) -> np.ndarray:
+    """Return width and height (2,) of words at a font size (pt), about, pt."""
+    lines = words.split("\n")
+    return size * np.array([0.62 * max(map(len, lines)), 1.2 * len(lines)])
 
 
 def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = (), row: float = ROW) -> set[str]:

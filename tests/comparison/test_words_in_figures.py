@@ -11,6 +11,7 @@ from figure_scenes import DOWN, LIVE, SCENES, scene_of, synthetic_run
 from matplotlib.text import Text
 from scenes import shipped
 
+import la_core
 from comparison.figures import motions, reaction_figure, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
@@ -21,6 +22,7 @@ from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
 from la_core.measures import ContactState, measure
 from la_core.model.assembly import assemble
+from la_core.scene.scene import load_scene
 from la_core.scene.variants import variant
 
 
@@ -128,6 +130,15 @@ def test_figures_of_a_large_structure_have_no_powers_of_ten(tmp_path: Path) -> N
     words = [text.get_text() for figure in figures for text in figure.findobj(Text)]
     assert any("lies above" in word for word in words) and any("a support motion of" in word for word in words)
     assert not [word for word in words if "e+" in word]
+
+
+def test_names_of_blocks_in_space_do_not_cover_each_other() -> None:
+    scene = load_scene(Path(la_core.__file__).parent / "scene" / "starters" / "vault.toml")
+    figure = structure.assembly_figure(scene, assemble(scene))
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in figure.axes[0].texts if text.get_text().startswith("vault")]
+    assert len(boxes) > len(scene.blocks) / 2
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 def test_an_arrow_of_a_load_is_seen_above_the_name_of_its_block() -> None:
