@@ -174,7 +174,7 @@ def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], co
     blocks = assembly.blocks
     falls = np.isin(blocks.names, list(falling))
     canvas.solids(blocks.vertices, *looks(assembly, falls, colour, "xx"))
-    for k in np.flatnonzero(falls)[:FEW]:
+    for k in np.flatnonzero(falls)[np.unique(np.linspace(0, falls.sum() - 1, FEW).astype(int))] if falls.any() else ():
         canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * structure_size(blocks) * assembly.down)
 
 

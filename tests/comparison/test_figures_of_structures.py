@@ -147,6 +147,19 @@ def test_forces_are_seen_through_the_stones_of_a_building_that_hides_most_of_its
     assert max(len(shapes.get_segments()) for shapes in drawn) == len(assembly.interfaces)
 
 
+def test_arrows_of_many_falling_blocks_lie_evenly_among_them() -> None:
+    """The first 25 had them: of two arches that fell, the crowns had none."""
+    assembly = assemble(shipped("wall_third"))
+    blocks = assembly.blocks
+    free = np.flatnonzero(blocks.free)
+    figure = structure.mechanism_figure(assembly, {"LA": np.full((len(blocks), 6), np.nan)}, falling=[blocks.names[k] for k in free])
+    tails = np.array([text.get_position() for text in figure.axes[0].texts])
+    assert len(tails) == drawing.FEW < len(free)
+    assert tails.min(axis=0)[1] == pytest.approx(blocks.centroid[free, 2].min()) and tails.max(axis=0)[1] == pytest.approx(
+        blocks.centroid[free, 2].max()
+    )
+
+
 def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path: Path) -> None:
     arch, wall = (analyse(shipped(name)).assembly for name in ("arch_spreading", "two_blocks"))
     pairs = thrust_line(arch)
