@@ -206,12 +206,12 @@ LONGEST_TEXT = 10  # characters of a number that is written without a power of t
 
 @dataclass(frozen=True)
 class Units:
-    """Units of one report.
+    """Units of one structure in a report.
 
     Attributes
     ----------
     weight : float or None
-        Weight of the heaviest structure of the report, N; it decides between N and kN.
+        Weight of the structure, N; it decides between N and kN.
     """
 
     weight: float | None

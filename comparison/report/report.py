@@ -71,15 +71,15 @@ def write_report(
     left_out : sequence of str
         Names of scenes in the folder whose results cannot be read; the page names them.
     """
-    units = Units(max((weight for comparison in comparisons if exists(weight := comparison.get("weight"))), default=None))
-    scenes = [view_of_scene(folder, number, comparison, units) for number, comparison in enumerate(comparisons, 1)]
+    units = [Units(weight if exists(weight := comparison.get("weight")) else None) for comparison in comparisons]  # as in its figures
+    scenes = [view_of_scene(folder, number, *each) for number, each in enumerate(zip(comparisons, units, strict=True), 1)]
     titles = [scene["title"] for scene in scenes]
     for scene in scenes:
         if titles.count(scene["title"]) > 1:  # such as a scene and its second attempt
             scene["title"] += f" ({scene['name']})"
     page = {
         "head": report_head(folder, comparisons, head or {}),
-        "force_unit": units.of("N")[1],
+        "force_unit": " or ".join(sorted({unit.of("N")[1] for unit in units})),
         "scenes": scenes,
         "scripts": scripts() if any(scene["view"] for scene in scenes) else None,
         "counts": _counts(comparisons),

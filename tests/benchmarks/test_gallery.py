@@ -1,12 +1,16 @@
 """The measured pages: each is what its program writes from its record, and the record is that of a fresh run."""
 
+import json
 import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import benchmark_accuracy
+import benchmark_detection
 import benchmark_friction
+import benchmark_uncertainty
 import conclusions
 import friction_record
 import friction_report
@@ -55,6 +59,23 @@ def concluded() -> dict[str, str]:
 @pytest.mark.parametrize("name", ["growth.md", "peers.md", "accuracy.md", "startup.md", "cost.md", "friction.md", "seed_paper.md"])
 def test_a_page_with_conclusions_is_what_the_records_say(name: str, concluded: dict[str, str]) -> None:
     assert concluded[name] == (GALLERY / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("benchmark", [benchmark_uncertainty, benchmark_detection])
+def test_a_page_of_random_scenes_is_what_its_record_says(benchmark: Any) -> None:
+    entries = json.loads(benchmark.PAGE.with_suffix(".json").read_text(encoding="utf-8"))
+    assert benchmark.page(entries) == benchmark.PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+def test_a_mistake_in_either_method_is_noticed(tmp_path: Path) -> None:
+    """On one scene of the page: the mistakes change the reaction by 10 and by 24 %, and without them both methods agree."""
+    mistakes = ("friction a tenth lower", "support 10 degrees aside, or its axis 0.1 m off")
+    none, *wrong = benchmark_detection.measured(7, benchmark_detection.SEED, tmp_path, mistakes)
+    assert none["verdict"] == "agree" and len(wrong) == len(benchmark_detection.FACTORS) + 2 * len(mistakes)
+    assert {entry["mistake"]: entry["verdict"] for entry in wrong}["prediction 5 % too large"] == "disagree"
+    large = [entry for entry in wrong if entry["mistake"] in mistakes]
+    assert all((benchmark_detection.change(entry) or 0.0) > 0.05 and entry["verdict"] != "agree" for entry in large)
 
 
 def test_a_part_is_replaced_between_its_marks_and_nothing_else_is() -> None:

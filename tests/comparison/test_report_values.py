@@ -82,6 +82,13 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
     assert "Coulomb: power of the normal forces at parting joints, over the power put in" in page
 
 
+def test_each_scene_of_a_report_has_the_units_of_its_own_figures(tmp_path: Path) -> None:
+    """Beside a wall in kN the forces of a model of 5 cm would have powers of ten."""
+    small, large = (comparison_of(scene=name, weight=weight) for name, weight in (("model", 50.0), ("wall", 5e5)))
+    page = report.write_report(tmp_path, [small, large], {}).read_text(encoding="utf-8")
+    assert "W = 50 N" in page and "W = 500 kN" in page and "Forces in this report are in N or kN" in page
+
+
 def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_uncertainty(tmp_path: Path) -> None:
     comparison = frictional_comparison()
     coulomb = comparison["limit_analysis"]["coulomb"]

@@ -1,0 +1,214 @@
+"""Which mistakes a verdict notices: `.venv/bin/python tests/benchmarks/benchmark_detection.py`.
+
+Runs random scenes by both methods, each also with one mistake of mistakes.py. The judge then compares limit analysis of the right scene
+with YADE of the wrong one, and the other way round. Writes comparison/gallery/detection.md with its record. What the record holds is not
+run again; `--page` writes the page from the record alone.
+"""
+
+import argparse
+import dataclasses
+import json
+import tempfile
+import tomllib
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import on_path  # noqa: F401  so that the packages are found
+from growth_report import table
+from mistakes import MISTAKES, with_mistake
+from rich.console import Console
+from runs import with_answers
+from verdict_scenes import drawn
+
+from comparison.judge import check_run
+from comparison.numbers import format_number
+from comparison.progress import Narration
+from comparison.run_folder import write_text
+from comparison.verdict import Verdict, overall
+from comparison.workflow import run_scene
+from comparison.yade import Results, read_results, read_run
+from la_core.analysis import LimitAnalysis
+from la_core.errors import SceneError
+from la_core.exchange import ExchangeError
+from la_core.scene import Scene, build
+
+PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "detection.md"
+SEED, SCENES = 20261132, 30
+LEAST = 0.01  # of the weight: smaller reactions count as this
+KNOWN = 0.01  # of the reaction: a larger uncertainty leaves open how much a mistake changes
+STEPS = (0.0, 0.005, 0.01, 0.02, 0.05, np.inf)  # of the reaction: classes of changes
+TIME_LIMIT = 300.0  # s of wall time of a run in YADE
+FACTORS = {f"prediction {percent} % too large": 1.0 + percent / 100.0 for percent in (1, 2, 5)}
+NONE, REFUSED = "none", "refused"  # no mistake; the judge refuses to compare two structures
+METHODS = ("YADE", "limit analysis")  # which method has the mistake
+Entry = dict[str, Any]
+HEAD = f"""# Which mistakes does a verdict notice?
+
+A judge that always agrees would pass every test in which both methods are right. Here one of them is wrong. Limit analysis answers a random
+scene, and YADE runs the same scene with one mistake; then YADE runs the right scene, and limit analysis has the mistake. The judge
+compares the two as if there were no mistake. The table counts verdicts by how much the mistake changes the reaction, which the two
+predictions of limit analysis say. A mistake that changes less than 0.5 % is within the tolerance.
+
+Written by `python tests/benchmarks/benchmark_detection.py` from {SCENES} random scenes of seed {SEED} (the scenes of
+[verdicts.md](verdicts.md) with another seed). Scenes, seed and mistakes in the model were fixed before the first run, and no rule of the
+judge follows from them. A random block or joint has the mistake. The wrong predictions stand for a wrong method: the value alone is wrong.
+"""
+LEGEND = """*Disagree* or *inconclusive*: the mistake is noticed. *Refused*: the two structures have other numbers of contact points,
+and the judge does not compare them. Changes count over the reaction, or over 1 % of the weight where that is more. Cases in which limit
+analysis does not know the change to 1 % of the reaction are left out. A check of YADE's own state is *inconclusive* because it cannot
+tell a wrong model from a restless run: under the loads of the other structure YADE's forces are not in balance.
+"""
+
+
+def measured(number: int, seed: int, folder: Path, mistakes: Sequence[str] = tuple(MISTAKES)) -> list[Entry]:
+    """Run a scene and each of its mistakes by both methods, and judge every pair."""
+    one = drawn(number, seed)
+    tables, entries = tomllib.loads(one.scene.text), []
+    right = _run(one.scene, folder / "right")
+    shared = {"seed": seed, "number": number, "kind": one.kind, "motion": one.motion}
+    entries.append(shared | {"mistake": NONE, "wrong": NONE, "verdict": overall(check_run(right))[0] if right.run else None})
+    entries += [shared | entry for entry in _wrong_predictions(right, one.scene.weight)]
+    for which, name in enumerate(MISTAKES):
+        if name not in mistakes:
+            continue
+        random = np.random.default_rng((seed, number, which))
+        try:
+            scene = build(with_mistake(name, tables, one.scene, random), f"mistake_{which}")
+            wrong = _run(scene, folder / scene.name)
+        except SceneError as error:  # a mistake that the program refuses
+            entries.append(shared | {"mistake": name, "wrong": "both", "verdict": REFUSED, "reason": str(error)})
+            continue
+        values = {key: _prediction(it.analysis, one.scene.weight) for key, it in (("right_value", right), ("wrong_value", wrong))}
+        for method, (analysis, run_folder) in zip(
+            METHODS, ((right.analysis, folder / scene.name), (wrong.analysis, folder / "right")), strict=True
+        ):
+            entries.append(shared | values | {"mistake": name, "wrong": method} | _judged(analysis, run_folder))
+    return entries
+
+
+def _run(scene: Scene, folder: Path) -> Results:
+    with Narration(Console(stderr=True, quiet=True)) as narration:
+        run_scene(scene, folder, narration, with_yade=True, time_limit=TIME_LIMIT, figures=lambda _: {})
+    return read_results(folder)
+
+
+def _wrong_predictions(right: Results, weight: float) -> Iterator[Entry]:
+    """Yield the verdicts on a prediction that is too large, all else being right: a wrong method and not a wrong model."""
+    coulomb, value = right.analysis.coulomb, _prediction(right.analysis, weight)
+    for name, factor in FACTORS.items() if coulomb and value and right.run else ():
+        wrong = with_answers(right.analysis, coulomb=dataclasses.replace(coulomb, value=factor * coulomb.value))
+        values = {"right_value": value, "wrong_value": _prediction(wrong, weight)}
+        yield values | {"mistake": name, "wrong": METHODS[1]} | _verdict(Results(wrong, right.run))
+
+
+def _judged(analysis: LimitAnalysis, folder: Path) -> Entry:
+    """Return the verdict on limit analysis of one scene and YADE's run of another one, and the first check that decides it."""
+    try:
+        run = read_run(folder / "run.h5", analysis.assembly)
+    except ExchangeError as error:
+        return {"verdict": REFUSED, "reason": str(error).split(": ", 1)[-1]}
+    return _verdict(Results(analysis, run))
+
+
+def _verdict(results: Results) -> Entry:
+    """Return the verdict, and the first check that decides it."""
+    checks = check_run(results)
+    verdict = overall(checks)[0]
+    return {"verdict": verdict, "check": next((check.name for check in checks if check.verdict is verdict), "")}
+
+
+def _prediction(analysis: LimitAnalysis, weight: float) -> list[float] | None:
+    """Value and uncertainty over the weight of the right scene; None where unknown."""
+    answer = analysis.coulomb
+    if answer is None or not np.isfinite([answer.value, answer.uncertainty]).all():
+        return None
+    return [answer.value / weight, answer.uncertainty / weight]
+
+
+def change(entry: Entry) -> float | None:
+    """Return the change of the reaction by the mistake, as a share; None where it is not known to KNOWN."""
+    right, wrong = entry.get("right_value"), entry.get("wrong_value")
+    if not (right and wrong):
+        return None
+    size = max(abs(right[0]), LEAST)
+    return None if right[1] + wrong[1] > KNOWN * size else abs(wrong[0] - right[0]) / size
+
+
+def counts(entries: list[Entry]) -> list[str]:
+    """Return the counts of verdicts by class of change, each as "disagree / inconclusive / agree"."""
+    cells = []
+    for low, high in pairwise(STEPS):
+        found = Counter(str(entry["verdict"]) for entry in entries if (size := change(entry)) is not None and low <= size < high)
+        noticed = found[Verdict.DISAGREE.value] + found[REFUSED]
+        cells.append(f"{noticed} / {found[Verdict.INCONCLUSIVE.value]} / {found[Verdict.AGREE.value]}" if found else "–")
+    return cells
+
+
+def page(entries: list[Entry]) -> str:
+    """Return the page: what was found, a row for each mistake, and the mistakes that passed although they change much."""
+    plain = [entry for entry in entries if entry["mistake"] == NONE]
+    wrong = [entry for entry in entries if change(entry) is not None]
+    passed = sorted((entry for entry in wrong if entry["verdict"] == "agree" and change(entry) >= STEPS[1]), key=change, reverse=True)
+    percents = [f"{100 * step:g}" for step in STEPS[:-1]]
+    classes = [f"{low} to {high} %" for low, high in pairwise(percents)] + [f"{percents[-1]} % and more"]
+    rows = [[name, *counts([entry for entry in wrong if entry["mistake"] == name])] for name in (*MISTAKES, *FACTORS)]
+    rows += [[f"all, in {method}", *counts([entry for entry in wrong if entry["wrong"] == method])] for method in METHODS]
+    large = [entry for entry in wrong if change(entry) >= STEPS[3]]
+    by_both = Counter(str(entry["verdict"]) for entry in large)
+    checks = {
+        verdict: ", ".join(
+            f"{name} ({count})" for name, count in Counter(e["check"] for e in wrong if e["verdict"] == verdict).most_common()
+        )
+        for verdict in ("disagree", "inconclusive")
+    }
+    none = Counter(str(entry["verdict"]) for entry in plain)
+    found = [
+        f"- Without a mistake: {', '.join(f'{count} {verdict}' for verdict, count in none.most_common())}.",
+        f"- {len(wrong)} pairs of a right and a wrong method, of {len(entries) - len(plain)}, have a change that limit analysis knows.",
+        f"- Of the {len(large)} that change the reaction by 2 % or more, {len(large) - by_both['agree']} are noticed "
+        f"({', '.join(f'{count} {verdict}' for verdict, count in by_both.most_common())}).",
+        *(f"- First checks that say *{verdict}*: {names}." for verdict, names in checks.items()),
+    ]
+    parts = [HEAD.rstrip("\n"), "\n".join(found), "Disagree or refused / inconclusive / agree, by change of the reaction:"]
+    parts += [table(("mistake", *classes), rows), LEGEND.rstrip("\n")]
+    if passed:
+        cells = [
+            (
+                f"{entry['number']}, {entry['kind']}, {entry['motion']}",
+                entry["mistake"],
+                entry["wrong"],
+                format_number(100.0 * float(change(entry) or 0.0), 2),
+            )
+            for entry in passed
+        ]
+        parts += ["## Mistakes of 0.5 % and more that pass", table(("scene", "mistake", "in", "change %"), cells)]
+    return "\n\n".join(parts) + "\n"
+
+
+def main() -> None:
+    """Run what the record does not hold, and write the page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=SCENES, help="number of scenes (default: %(default)s)")
+    parser.add_argument("--workers", type=int, default=1, help="processes (default: %(default)s)")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    options = parser.parse_args()
+    record = PAGE.with_suffix(".json")
+    entries: list[Entry] = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else []
+    missing = sorted(set(range(options.scenes)) - {entry["number"] for entry in entries})
+    if missing and not options.page:
+        with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor(options.workers) as pool:
+            runs = [pool.submit(measured, number, SEED, Path(folder) / f"scene_{number}") for number in missing]
+            for done, future in enumerate(as_completed(runs), start=1):
+                entries = sorted([*entries, *future.result()], key=lambda entry: entry["number"])
+                write_text(record, "[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n")
+                print(f"{done} of {len(missing)}", flush=True)
+    write_text(PAGE, page(entries))
+
+
+if __name__ == "__main__":
+    main()
