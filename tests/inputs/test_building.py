@@ -207,6 +207,21 @@ def test_joints_of_a_flat_arch_meet_in_one_point() -> None:
     assert distance == pytest.approx(np.zeros(inclined.sum()), abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "entries"),
+    [(0.4, 1.0, {"bond": "stack"}), (0.5, 1.1, {"bond": "stack", "rake": (0.1, 0.1)})],
+    ids=["one block between two arches", "blocks at ends that lean"],
+)
+def test_a_block_that_is_cut_on_both_sides_bears_a_flat_arch(first, second, entries) -> None:
+    def wall(*starts: float) -> float:
+        rows = {"origin": (0.0, 0.0, 0.0), "block": BLOCK, "per_course": 5, "courses": 4, **entries}
+        cut = {"bearing": 0.05, "head": "flat arch", "voussoirs": 3}
+        openings = (scenes.table("[wall.opening]", **cut, **{"from": (at, 0.2), "to": (at + 0.4, 0.6)}) for at in starts)
+        return free_volume(scenes.build(scenes.table("[wall]", **rows), *openings, *scenes.base(1.0, 2.0, THICK)))
+
+    assert wall() - wall(first, second) == pytest.approx(2 * 0.4 * 0.4 * THICK, rel=1e-6)
+
+
 # --- what is refused ---------------------------------------------------------------------------------------------------------
 
 
@@ -219,6 +234,11 @@ def test_joints_of_a_flat_arch_meet_in_one_point() -> None:
         (opening("south", (1.0, 0.4), (1.6, 1.2)), {}, "must leave a course for the lintel"),
         (opening("south", (1.0, 0.3), (1.6, 0.8)), {}, "must lie on course lines"),
         (opening("attic", (1.0, 0.4), (1.6, 0.8)), {}, 'a plan "rectangle" has no side "attic"'),
+        (
+            opening("south", (0.8, 0.4), (1.8, 0.8), bearing=0.1, head="flat arch") + "\n" + opening("south", (1.9, 0.2), (2.5, 1.0)),
+            {},
+            "either side to bear on, and there is none on the right, at 1.9 m; take a smaller bearing",
+        ),
         (opening("south", (1.0, 0.4), (1.6, 0.8), voussoirs=3), {}, '`voussoirs` go with `head = "flat arch"`'),
         (scenes.table("[building.floor]", course=7, mass=1.0), {}, "but there are 6 `courses`"),
         ("", {"size": (0.6, 3.0)}, "at least two lengths"),

@@ -12,6 +12,7 @@ from la_core.scene.schema.masonry import Opening
 
 SHORTEST_PIECE = 0.25  # of a block's length: a shorter remainder beside an opening joins its neighbour
 ON_LINE = 1e-6  # of a block's length: openings this close to a course line lie on it
+LESS_BEARING = "take a smaller bearing, or leave more wall beside the opening"
 
 
 @dataclass(frozen=True)
@@ -170,9 +171,7 @@ class Face:
             sides += 1
         if sides != 2:
             rule = "an arch needs a block on either side in every course that it crosses"
-            raise SceneError(
-                f"{self.where}: opening", rule, value=cut, hint="take a smaller bearing, or leave more wall beside the opening"
-            )
+            raise SceneError(f"{self.where}: opening", rule, value=cut, hint=LESS_BEARING)
         return skewed
 
     def _refuse_blocked(self, opening: Opening, blocked: Sequence[Span]) -> None:
@@ -217,15 +216,20 @@ class Face:
             return [*plain, Piece((low, high), (low, high))]
         left, right = opening.from_[0], opening.to[0]
         near = ON_LINE * self.block
-        skewed = [
-            replace(piece, foot=(piece.foot[0], left)) if abs(piece.head[1] - low) <= near
-            else replace(piece, foot=(right, piece.foot[1])) if abs(piece.head[0] - high) <= near
-            else piece
-            for piece in plain
-        ]  # fmt: skip
-        if sum(piece.foot != piece.head for piece in skewed) - sum(piece.foot != piece.head for piece in plain) != 2:
-            rule = "a flat arch needs a block of the same course on either side to bear on"
-            raise SceneError(f"{self.where}: opening", rule, value=(opening.from_, opening.to))
+        skewed, bare = [], {"left": low, "right": high}  # sides on which the arch has no block yet
+        for piece in plain:
+            if abs(piece.head[1] - low) <= near:
+                skewed.append(replace(piece, foot=(piece.foot[0], left)))
+                bare.pop("left", None)
+            elif abs(piece.head[0] - high) <= near:
+                skewed.append(replace(piece, foot=(right, piece.foot[1])))
+                bare.pop("right", None)
+            else:
+                skewed.append(piece)
+        if bare:
+            sides = " and ".join(f"the {side}, at {at:g} m" for side, at in bare.items())
+            rule = f"a flat arch needs a block of the same course on either side to bear on, and there is none on {sides}"
+            raise SceneError(f"{self.where}: opening", rule, value=(opening.from_, opening.to), hint=LESS_BEARING)
         feet, crowns = (_divided(span, opening.voussoirs) for span in ((left, right), (low, high)))
         return [*skewed, *(Piece(foot, crown) for foot, crown in zip(pairwise(feet), pairwise(crowns), strict=True))]
 
