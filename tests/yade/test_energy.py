@@ -158,6 +158,19 @@ def test_blocks_that_fall_are_named_as_the_cause() -> None:
     assert "time integration" not in check.reason and "time_step" not in check.next_step
 
 
+def test_forces_that_jump_between_stored_states_are_told_from_a_long_time_step() -> None:
+    """A joint sticks and slips: every tenth state finds it with 14 times its force, the others with none."""
+    assembly, weight = sliding_column()
+    run = made_up(assembly, 0.4 * weight)
+    share, sticks = np.linspace(0.0, 1.0, 41)[:, None, None], np.where(np.arange(41) % 10 == 5, 14.0, 0.0)[:, None, None]
+    last = {name: values[-1] for name, values in vars(run.poses).items()}
+    moved = {name: share * last[name] for name in ("displacement", "rotation")}
+    rough = Poses(settlement=SINK * share[:, 0, 0], forces=sticks * last["forces"], **moved)
+    (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough))
+    assert check.verdict is Verdict.INCONCLUSIVE and "the forces change so much that this balance is known to ±" in check.reason
+    assert "[yade] poses" in check.next_step and "time_step" not in check.next_step
+
+
 def test_energy_from_nowhere_is_seen() -> None:
     assembly, weight = sliding_column()
     run = made_up(assembly, 0.2 * weight)
