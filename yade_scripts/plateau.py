@@ -216,17 +216,20 @@ def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Pla
     return min((line for line in fits if np.isfinite(line.uncertainty)), key=lambda line: line.uncertainty, default=NONE)
 
 
-def shortcoming(fit: Plateau, scale: float, most: float) -> str:
-    """Return why a line is no plateau, as a clause. scale: reaction of which all is a share; most: largest uncertainty of a plateau."""
+def shortcoming(fit: Plateau, scale: float, most: float, name: str = "reaction") -> str:
+    """Return why a line is no plateau, as a clause.
+
+    scale: reaction of which all is a share; most: largest uncertainty of a plateau; name: what the line is fitted to.
+    """
     if not math.isfinite(fit.reaction):
         return "the record is too short for a line, or undefined"
     if fit.creeps:
-        return "the reaction still creeps"
+        return f"the {name} still creeps"
     if fit.uncertainty > max(most * scale, abs(fit.reaction)):  # a share of next to nothing would be thousands
-        return "the reaction is uncertain by more than itself"
+        return f"the {name} is uncertain by more than itself"
     if fit.uncertainty > most * scale:
-        return f"the reaction is known only to {fit.uncertainty / scale:.2g} of itself"
-    return f"the reaction still changes by {fit.drift / scale:.2g} of itself over the line"
+        return f"the {name} is known only to {fit.uncertainty / scale:.2g} of itself"
+    return f"the {name} still changes by {fit.drift / scale:.2g} of itself over the line"
 
 
 def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geometry: Geometry) -> Plateau:

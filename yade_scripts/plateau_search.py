@@ -60,15 +60,16 @@ class PlateauSearch:
         Where the reaction has left the best plateau, the record is cut there. asked: settlement imposed so far.
         """
         fit, best, ending = self._fit(), self._best, ""
+        name = "reaction" if self.case.live is None else "multiplier"
         if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
             fit, asked = best.fit, best.asked
-            ending = f"; the reaction leaves it before {settlement_words(self.case, self.record.settlement())}"
+            ending = f"; the {name} leaves it before {settlement_words(self.case, self.record.settlement())}"
             self.record.cut(best.mark)
         self.plateau, reached = fit, self.record.settlement()
         if self._is_plateau(fit, self.settings.plateau_uncertainty):
             self.plateau = replace(fit, creeps=False)
             return Status.PLATEAU, f"steady from {settlement_words(self.case, reached, fit.start)}{ending}", asked
-        why = plateau.shortcoming(fit, self._scale(fit), self.settings.plateau_uncertainty)
+        why = plateau.shortcoming(fit, self._scale(fit), self.settings.plateau_uncertainty, name)
         return Status.NO_PLATEAU, f"the whole travel is covered at {settlement_words(self.case, reached)} and {why}", asked
 
     @property

@@ -143,6 +143,22 @@ def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[platea
     assert re.fullmatch(r"steady from a settlement of \S+ to \S+ m; the reaction leaves it before a settlement of \S+ m", message)
 
 
+def test_of_a_live_load_it_is_the_multiplier_that_has_no_plateau_or_leaves_one(fits: list[plateau.Plateau]) -> None:
+    """There is no reaction, and nothing settles."""
+    creeping, best, left = line(0.5, 0.5, creeps=True), line(0.5, 0.003), line(0.6, 0.1)
+    for fitted, end in (
+        ([creeping], "and the multiplier still creeps"),
+        ([best, left], "the multiplier leaves it before a displacement of"),
+    ):
+        fits += fitted
+        one = looking(Told(5e-5))
+        one.case = SimpleNamespace(**(vars(CASE) | {"live": np.array([1.0, 0.0, 0.0])}))
+        for _ in fitted[1:]:
+            one.look(1.0)
+        _, message, _ = one.ended(1.0)
+        assert end in message and "reaction" not in message
+
+
 def test_a_plateau_that_the_reaction_did_not_leave_is_the_last_one(fits: list[plateau.Plateau]) -> None:
     fits += [line(100.0, 0.3), line(101.0, 0.8)]
     record = Told(5e-5)
