@@ -17,6 +17,7 @@ from comparison.judge.checks.prediction import predicted
 from comparison.judge.checks.run_checks import check_run
 from comparison.judge.checks.sections import check_sections
 from comparison.verdict.check import Verdict
+from comparison.verdict.conclusion import conclusion
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_parts import Poses
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis
@@ -142,6 +143,22 @@ def test_a_prediction_in_doubt_may_confirm_but_not_contradict_and_a_broad_one_do
     check = next(c for c in found if c.name == "reaction against prediction")
     assert check.verdict is (Verdict.INCONCLUSIVE if reason else Verdict.AGREE) and reason in check.reason
     assert Verdict.DISAGREE not in {c.verdict for c in found}
+
+
+def test_several_plateaus_that_make_a_prediction_uncertain_are_named(wall: tuple[Scene, LimitAnalysis]) -> None:
+    """Their distance is the uncertainty. A second attempt with finer paths may find the same ones: then they are what one works with."""
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    least = 0.9 * analysis.coulomb.value
+    several = {"plateaus": np.array([analysis.coulomb.value, least]), "uncertainty": analysis.coulomb.value - least}
+    coulomb = dataclasses.replace(analysis.coulomb, **several)
+    found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis, reaction=least)))
+    check = next(c for c in found if c.name == "reaction against prediction")
+    assert check.verdict is Verdict.INCONCLUSIVE
+    assert check.reason.startswith("Limit analysis states an uncertainty") and "The structure has several plateaus" in check.reason
+    first, second = (conclusion([check], {"status": "plateau"}, None, is_finest).next_step for is_finest in (False, True))
+    assert "--try-harder" in first and "--try-harder" not in second
+    assert "least favourable plateau" in first and "least favourable plateau" in second
 
 
 def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene, LimitAnalysis]) -> None:

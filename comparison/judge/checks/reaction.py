@@ -55,7 +55,7 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
     tolerance = reaction_tolerance(results, prediction.stated)
     check = within(name, value, reaction, tolerance, scene.unit, _difference_words(results, prediction), next_steps.BOTH_FINER)
     if unsure := unsure_methods(results, prediction.stated):
-        return _unsure_check(results, check, unsure)
+        return _unsure_check(results, check, unsure, prediction)
     if check.verdict is Verdict.DISAGREE:
         doubts = [(prediction.doubt, prediction.next_step), _other_history(results), _jump(results)]
         doubts += (
@@ -98,13 +98,19 @@ def _check_release(results: Results, prediction: Prediction, check: Check, befor
     return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
-def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check:
-    """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree."""
+def _unsure_check(results: Results, check: Check, unsure: list[Unsure], prediction: Prediction) -> Check:
+    """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree.
+
+    The uncertainty of limit analysis may come from several plateaus: finer paths may join them, and where they do not, they are the answer.
+    """
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
         alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone."
         return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}")
-    step = next_steps.FINER_PATHS if unsure[0].method == "limit analysis" else next_steps.SLOWER_RUN
+    if unsure[0].method != "limit analysis":
+        return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.SLOWER_RUN)
+    other = "" if prediction.next_step == next_steps.FINER_PATHS else prediction.next_step
+    reason, step = f"{reason} {prediction.doubt}".rstrip(), f"{next_steps.FINER_PATHS} {other}".rstrip()
     return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
