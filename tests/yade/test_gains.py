@@ -46,6 +46,16 @@ def test_a_heavy_block_counts_by_its_mass_in_the_motion_that_the_servo_holds() -
     assert servo.weighted(np.array([1.0, 3.0])) == pytest.approx((9.0 * 1.0 + 3.0 * 3.0) / (9.0 + 3.0), abs=1e-6)
 
 
+def test_a_heavy_block_that_swings_where_it_stands_hardly_counts() -> None:
+    """Its swing comes back in the next window; the light block goes on."""
+    servo, masses = Servo(1.0, 1.0, 1.0, 0.0, 1, 1.0), np.array([20.0, 1.0])
+    counted = []
+    for k in range(20):
+        servo.renew(float(k), masses, np.array([0.05 * (k % 2), 1.0 * k]))
+        counted.append(servo.weighted(np.array([1.0, 0.0])))
+    assert np.mean(counted[10:]) < 0.15
+
+
 def test_the_damper_takes_its_share_of_a_swing_and_forgets_over_a_period_of_the_sag() -> None:
     """Of a damping ratio of 0.5 a swing's velocity falls by exp(-w t); its mean follows within a period 2 pi / w."""
     inertia: Any = SimpleNamespace(tensor=np.eye(3)[None], mass=np.array([1.0]))

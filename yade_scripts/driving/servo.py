@@ -2,8 +2,9 @@
 
 A load in proportion to weight is an acceleration, so only the vector of gravity changes. A mechanism that moves with the velocities v along
 the load obeys q'' = g (alpha - resistance), whichever blocks it moves, if q' is the mean of v weighted by m v: power of the load and
-energy of motion then have the same factor. So the servo holds this mean, with weights from the motion of the last moments. It acts like
-a spring and a dashpot, chosen by the frequency and the damping ratio of q; while the blocks stand, the spring stretches.
+energy of motion then have the same factor. So the servo holds this mean, with weights from the motion of the last moments. Blocks that
+swing about their places come back, so that their motion cancels; it would slow those down that move. The servo acts like a spring and a
+dashpot, chosen by the frequency and the damping ratio of q; while the blocks stand, the spring stretches.
 """
 
 import math
@@ -17,7 +18,7 @@ from yade_scripts.settings import Settings, sag_of
 
 LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedged in
 LAG = 0.2  # decay of the servo's own motion, by its dashpot, between two of its steps
-RENEWED = 0.5  # share of the weights that the motion of the last moments replaces
+RENEWED = 0.5  # share of the remembered motion that the motion of the last window replaces
 
 
 class LoadedBlocks(Protocol):
@@ -64,6 +65,7 @@ class Servo:
     _window_began: float = 0.0
     _places: np.ndarray = field(default_factory=lambda: np.zeros(0))
     _weights: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    _motion: np.ndarray = field(default_factory=lambda: np.zeros(0))  # mass times motion in a window, on the mean over the last ones, kg m
 
     def pulled(self, elapsed: float) -> tuple[float, float]:
         """Return motion (m) and speed (m/s) of the point, `elapsed` seconds after its start from rest."""
@@ -87,11 +89,12 @@ class Servo:
     def renew(self, elapsed: float, masses: np.ndarray, places: np.ndarray) -> None:
         """Let the weights follow what the blocks with these masses (n,), kg, moved along the load (n,), m, since the last window began."""
         if len(self._weights):
-            motion = masses * np.maximum(places - self._places, 0.0)
-            if motion.sum() > 0.0:
-                self._weights += RENEWED * (motion / motion.sum() - self._weights)
+            self._motion += RENEWED * (masses * (places - self._places) - self._motion)
+            along = np.maximum(self._motion, 0.0)
+            if along.sum() > 0.0:
+                self._weights = along / along.sum()
         else:
-            self._weights = masses / masses.sum()
+            self._weights, self._motion = masses / masses.sum(), np.zeros(len(masses))
         self._places, self._window_began = places, elapsed
 
     def loading_time(self, multiplier: float = LARGEST_MULTIPLIER) -> float:
