@@ -59,7 +59,7 @@ class Plateau:
     @property
     def doubt(self) -> float:
         """Uncertainty of the value that the curve itself shows."""
-        return float(np.maximum(self.unfinished, self.scatter))
+        return float(np.fmax(self.unfinished, self.scatter))
 
     @property
     def is_known(self) -> bool:

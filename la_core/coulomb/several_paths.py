@@ -42,10 +42,7 @@ def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
-    """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled.
-
-    NaN where one of them is: what is unknown must not pass for nothing.
-    """
+    """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
     if chosen.smooth_error > 0.0:
         left = left_by_smoothing(chosen, followed)
@@ -54,7 +51,7 @@ def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> fl
     else:
         near = followed[-2:]
         left = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    return float(np.max([left, end.doubt, STEPS_SHARE * abs(end.value)]))
+    return float(np.nanmax([left, end.doubt, STEPS_SHARE * abs(end.value)]))
 
 
 def left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> float:
@@ -64,4 +61,4 @@ def left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> flo
     """
     end = finest.plateau.value
     differ = SAFETY * max(abs(end - path.plateau.value) for path in followed[-2:])
-    return float(np.max([differ, MOVED * abs(end - finest.values[-1]), SAFETY * finest.smooth_error]))
+    return float(np.nanmax([differ, MOVED * abs(end - finest.values[-1]), SAFETY * finest.smooth_error]))

@@ -122,13 +122,6 @@ def test_a_curve_that_is_not_flat_may_still_change_by_three_times_its_last_chang
     assert Plateau(0.3, 0.3, 1e-3, 5e-3, 1.0).doubt == 5e-3
 
 
-@pytest.mark.parametrize(("change", "scatter"), [(math.nan, 1e-4), (1e-4, math.nan)])
-def test_an_unknown_part_leaves_the_uncertainty_unknown(change: float, scatter: float) -> None:
-    path = SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.3, change, scatter, 1.0))
-    assert math.isnan(path.plateau.doubt) and not path.plateau.is_known
-    assert math.isnan(stated_uncertainty(path, [path, path]))
-
-
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     """A step across a jump, or a state in motion, is no limit state: its power balance misses."""
     assembly, stiffness = problem(great_wall(0.6, 1.6))
