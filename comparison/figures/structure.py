@@ -174,7 +174,9 @@ def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], co
     blocks = assembly.blocks
     falls = np.isin(blocks.names, list(falling))
     canvas.solids(blocks.vertices, *looks(assembly, falls, colour, "xx"))
-    for k in np.flatnonzero(falls)[np.unique(np.linspace(0, falls.sum() - 1, FEW).astype(int))] if falls.any() else ():
+    fallen = np.flatnonzero(falls)
+    evenly = np.unique(np.linspace(0, len(fallen) - 1, FEW).astype(int)) if len(fallen) else fallen
+    for k in fallen[evenly]:
         canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * structure_size(blocks) * assembly.down)
 
 

@@ -11,11 +11,12 @@ from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
-from comparison.run_folder import write_text
+from comparison.run_folder import read_text, write_text
 from comparison.verdict import VERDICTS
 from la_core.errors import visible
 from la_core.text_table import exists
 
+HEAD = ("title", "project", "author", "date")
 LIMITATIONS = (
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
     "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "
@@ -106,7 +107,7 @@ def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[st
         agreed[name] = given.pop() if len(given) == 1 else ""
     titles = [str(comparison.get("title") or comparison.get("scene")) for comparison in comparisons]
     agreed["title"] = titles[0] if len(titles) == 1 else chosen.get("project") or agreed["project"] or f"{len(titles)} structures"
-    head = {name: chosen.get(name) or agreed[name] for name in ("title", "project", "author", "date")}
+    head = {name: chosen.get(name) or agreed[name] for name in HEAD}
     head["date"] = head["date"] or _day_of_results(folder, comparisons)
     return head
 
@@ -135,10 +136,17 @@ def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> dict[str, st
     Words that cannot be read are left out.
     """
     try:
-        stored = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+        stored = json.loads(read_text(folder / "report.json"))
         covered = {comparison["scene"] for comparison in stored["comparisons"]}
-        words = {name: visible(text) for name, text in stored["head"].items() if isinstance(text, str)}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # an older report has no words; a damaged one is written anew
+        words = {name: visible(stored["head"][name]) for name in HEAD if isinstance(stored["head"].get(name), str)}
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        RecursionError,
+    ):  # an older report has no words; a damaged one is written anew
         return {}
     return words if covered >= {comparison["scene"] for comparison in comparisons} else {}
 

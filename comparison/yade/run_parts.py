@@ -13,7 +13,7 @@ STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 class _Named:
     """Access to attributes by their name in `run.h5`, too: `run.result["reaction"]` is `run.result.reaction`.
 
-    In version 0.2.0 these were dictionaries: what iterates over names, or asks for one, works as it did.
+    In version 0.2.0 these were dictionaries: what iterates over names, or asks for one, works as it did. `len` counts samples.
     """
 
     def __getitem__(self, name: str) -> Any:
@@ -24,6 +24,10 @@ class _Named:
 
     def __contains__(self, name: object) -> bool:
         return name in vars(self)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Return the value of a name, or a default for an unknown one."""
+        return vars(self).get(name, default)
 
     def keys(self) -> KeysView[str]:
         """Return the names."""

@@ -170,8 +170,8 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     own = exchange.present(path, (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
     data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
     with exchange.values_of(path):
-        stored = json.loads(data["scene/effects"])
-        effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
+        choices = json.loads(data["scene/effects"])
+        effects = Effects(**{**choices, "called_back": tuple(choices["called_back"])})
     in_space = {} if effects.plane else {"plane": False}  # a run may have restored motion out of the plane
     modelled = replace(scene, effects=scene.effects.model_copy(update=in_space))
     whole = replace(assemble(modelled, interfaces), effects=effects)

@@ -69,7 +69,8 @@ WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no j
 WEDGE = 1.3  # of the width of a joint at its narrow end
 SHARE_OF_JOINTS = 0.3  # of all neighbours have open joints where a drawing has any
 FARTHEST = 1000.0  # m: a drawing farther from its origin is shifted there, because round-off grows with the distance
-TURNED, ALIKE = 1.0, 0.8  # degrees, and of the length of all edges: a drawing whose edges are so alike and so far from level is turned
+TURNED = 1.0  # degrees: so far are the edges of a turned drawing from level and upright, and so near to each other's direction
+ALIKE = 0.5  # of the length of all edges: as many have the direction of a turned drawing
 SETTLING = 1.0 / 3.0  # of the length of a base that is put under a structure without one
 CURVE = 0.005  # m
 
@@ -159,12 +160,13 @@ def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
 
 
 def _turned(blocks: list[Outline]) -> list[str]:
-    """A comment on a drawing whose edges are at right angles to each other, but neither level nor upright."""
+    """A comment on a drawing most of whose edges are at right angles to each other, but neither level nor upright."""
     edges = np.concatenate([np.roll(block.points, -1, axis=0) - block.points for block in blocks] or [np.zeros((0, 2))])
     length, angle = np.hypot(*edges.T), np.arctan2(*edges.T[::-1])
     mean = np.sum(length * np.exp(4j * angle))  # a quarter turn changes nothing
     degrees = float(np.degrees(np.angle(mean)) / 4.0)
-    if abs(degrees) < TURNED or abs(mean) < ALIKE * length.sum():
+    aside = (np.degrees(angle) - degrees + 45.0) % 90.0 - 45.0  # a leaning wall with level beds has no edge in the mean direction
+    if abs(degrees) < TURNED or length[np.abs(aside) < TURNED].sum() <= ALIKE * length.sum():
         return []
     slope = f"most edges slope by {abs(degrees):.2g} degrees"
     return [f"# CHECK: {slope}; gravity acts down the drawing's y, so turn the drawing if it is not upright"]

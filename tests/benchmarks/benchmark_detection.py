@@ -42,6 +42,7 @@ SEED, SCENES = 20261132, 30
 LEAST = 0.01  # of the weight: smaller reactions count as this
 KNOWN = 0.01  # of the reaction: a larger uncertainty leaves open how much a mistake changes
 STEPS = (0.0, 0.005, 0.01, 0.02, 0.05, np.inf)  # of the reaction: classes of changes
+DIGITS = 9  # of a change: a prediction that is 1 % too large counts as 1 %
 TIME_LIMIT = 300.0  # s of wall time of a run in YADE
 FACTORS = {f"prediction {percent} % too large": 1.0 + percent / 100.0 for percent in (1, 2, 5)}
 NONE, REFUSED = "none", "refused"  # no mistake; the judge refuses to compare two structures
@@ -56,7 +57,8 @@ predictions of limit analysis say. A mistake that changes less than 0.5 % is wit
 
 Written by `python tests/benchmarks/benchmark_detection.py` from {SCENES} random scenes of seed {SEED} (the scenes of
 [verdicts.md](verdicts.md) with another seed). Scenes, seed and mistakes in the model were fixed before the first run, and no rule of the
-judge follows from them. A random block or joint has the mistake. The wrong predictions stand for a wrong method: the value alone is wrong.
+judge follows from them. Where a mistake concerns one block or joint, that is drawn at random. The wrong predictions stand for a wrong
+method: the value alone is wrong.
 """
 LEGEND = """*Disagree* or *inconclusive*: the mistake is noticed. *Refused*: the two structures have other numbers of contact points,
 and the judge does not compare them. Changes count over the reaction, or over 1 % of the weight where that is more. Cases in which limit
@@ -136,7 +138,7 @@ def change(entry: Entry) -> float | None:
     if not (right and wrong):
         return None
     size = max(abs(right[0]), LEAST)
-    return None if right[1] + wrong[1] > KNOWN * size else abs(wrong[0] - right[0]) / size
+    return None if right[1] + wrong[1] > KNOWN * size else round(abs(wrong[0] - right[0]) / size, DIGITS)
 
 
 def counts(entries: list[Entry]) -> list[str]:
@@ -172,7 +174,7 @@ def page(entries: list[Entry]) -> str:
         f"- {len(wrong)} pairs of a right and a wrong method, of {len(entries) - len(plain)}, have a change that limit analysis knows.",
         f"- Of the {len(large)} that change the reaction by 2 % or more, {len(large) - by_both['agree']} are noticed "
         f"({', '.join(f'{count} {verdict}' for verdict, count in by_both.most_common())}).",
-        *(f"- First checks that say *{verdict}*: {names}." for verdict, names in checks.items()),
+        *(f"- Checks that decide, the first one of each *{verdict}*: {names}." for verdict, names in checks.items()),
     ]
     parts = [HEAD.rstrip("\n"), "\n".join(found), "Disagree or refused / inconclusive / agree, by change of the reaction:"]
     parts += [table(("mistake", *classes), rows), LEGEND.rstrip("\n")]

@@ -101,8 +101,9 @@ def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_sa
     assert main(["run", "trilith", "-o", str(tmp_path), "--no-yade", "-q", "--title", "Trilith alone"]) == 0
     assert main(["report", str(tmp_path), "-q"]) == 0
     assert head() == {}, "the earlier report had one of these two scenes"
-    (tmp_path / "report.json").write_text("[]", encoding="utf-8")
-    assert main(["report", str(tmp_path), "-q"]) == 0
+    for damaged in ("[]", "[" * 100_000, '{"comparisons": 1, "head": []}'):
+        (tmp_path / "report.json").write_text(damaged, encoding="utf-8")
+        assert main(["report", str(tmp_path), "-q"]) == 0
 
 
 @pytest.mark.parametrize(("words", "seconds"), [([], []), (["--try-harder"], [HARDER_SECONDS]), (["--try-harder-limit", "7"], [7.0])])

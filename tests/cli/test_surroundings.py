@@ -42,6 +42,18 @@ def test_work_goes_on_where_nobody_can_be_told_of_it(tmp_path: Path) -> None:
     assert ended.returncode == AGREE and "expected value met" in ended.stdout
 
 
+def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
+    """Bars write to it, too."""
+    ours, theirs = os.openpty()
+    command = [sys.executable, "-m", "comparison", "run", "two_pads", "--no-yade", "-o", str(tmp_path / "out")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, env=environment, cwd=ROOT, text=True) as running:
+        os.close(theirs)
+        os.close(ours)
+        said, _ = running.communicate()
+    assert running.returncode == AGREE and "expected value met" in said
+
+
 @pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])
 def test_a_missing_part_is_named_with_what_completes_the_installation(part: str, tmp_path: Path) -> None:
     command = ["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]

@@ -66,6 +66,13 @@ def test_a_turned_drawing_is_told_of(degrees: float, is_told: bool, tmp_path: Pa
     assert is_told or "slope" not in text
 
 
+@pytest.mark.parametrize("lean", [0.1, 0.2])
+def test_a_leaning_wall_with_level_beds_is_not_turned(lean: float, tmp_path: Path) -> None:
+    stones = [[(x + lean * z, z) for x, z in outline] for outline in (SQUARE, ABOVE)]
+    (tmp_path / "leaning.dxf").write_bytes(dxf([polyline(stone, "A") for stone in stones]))
+    assert "slope" not in scene_from_file(tmp_path / "leaning.dxf", tmp_path)
+
+
 def test_the_edges_of_rubble_do_not_look_like_those_of_a_turned_drawing(tmp_path: Path) -> None:
     stones = [[(0, 0), (900, 100), (800, 600), (100, 500)], [(100, 500), (800, 600), (400, 1200)], [(900, 100), (1500, 0), (800, 600)]]
     (tmp_path / "rubble.dxf").write_bytes(dxf([polyline(stone, "A") for stone in stones]))

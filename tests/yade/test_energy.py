@@ -166,9 +166,12 @@ def test_forces_that_jump_between_stored_states_are_told_from_a_long_time_step()
     last = {name: values[-1] for name, values in vars(run.poses).items()}
     moved = {name: share * last[name] for name in ("displacement", "rotation")}
     rough = Poses(settlement=SINK * share[:, 0, 0], forces=sticks * last["forces"], **moved)
-    (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough))
+    rows = {name: np.repeat(values, 10, axis=0) for name, values in vars(run.record).items()}  # more than states
+    (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough, record=dataclasses.replace(run.record, **rows)))
     assert check.verdict is Verdict.INCONCLUSIVE and "the forces change so much that this balance is known to ±" in check.reason
     assert "[yade] poses" in check.next_step and "time_step" not in check.next_step
+    (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough))  # every row has its state: no more can be stored
+    assert "time_step" in check.next_step and "[yade] poses" not in check.next_step
 
 
 def test_energy_from_nowhere_is_seen() -> None:

@@ -116,24 +116,32 @@ def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
         verdict, message, step = Verdict.AGREE, "", ""
         if abs(drift) > DRIFT:
             falls = found.kinetic > DRIFT * max(found.turnover, least)
-            cause, step = (FALLS, LOOK_FOR_FALL) if falls else _cause(drift, _scatter(assembly, run) / max(found.turnover, least))
+            scatter = _scatter(assembly, run) / max(found.turnover, least)
+            cause, step = (FALLS, LOOK_FOR_FALL) if falls else _cause(drift, scatter, len(run.poses.settlement) < len(run.record))
             verdict, message = Verdict.INCONCLUSIVE, share + cause
         yield Check("energy of the YADE run", verdict, 0.0, drift, drift, DRIFT, "of the turnover", message, step)
 
 
-def _cause(drift: float, scatter: float) -> tuple[str, str]:
+def _cause(drift: float, scatter: float, stores_less: bool) -> tuple[str, str]:
     """Return why the energies do not add up and what to do. A time step that is too long loses or makes energy all the way; a block that
     sticks and slips is stored by chance here or there, now with too much force and now with too little.
+
+    drift, scatter: over the turnover. stores_less: whether YADE stored fewer states than it recorded.
     """
     uncertainty = COVERAGE * scatter
-    return (SPARSE.format(percent(uncertainty, 3)), MORE_STATES) if abs(drift) <= uncertainty else (IN_DOUBT, SHORTER_STEP)
+    is_sparse = stores_less and abs(drift) <= uncertainty
+    return (SPARSE.format(percent(uncertainty, 3)), MORE_STATES) if is_sparse else (IN_DOUBT, SHORTER_STEP)
 
 
 def _scatter(assembly: Assembly, run: Run) -> float:
-    """Return the standard deviation of the unaccounted work, J, from how much that between two stored states differs from pair to pair."""
+    """Return the standard deviation of the unaccounted work, J, from how much that between two stored states differs from pair to pair.
+
+    The error of a state counts half in each of its two pairs, so that neighbours share it: the variance of the sum is twice that of
+    independent pairs.
+    """
     first, states = _kept(assembly).start, len(run.poses.settlement)
     between = [_balance(assembly, run, slice(k, k + 2)).unaccounted for k in range(first, states - 1)]
-    return float(np.std(between, ddof=1) * np.sqrt(len(between))) if len(between) > 1 else 0.0
+    return float(np.std(between, ddof=1) * np.sqrt(2.0 * len(between))) if len(between) > 1 else 0.0
 
 
 def energy_summary(assembly: Assembly, run: Run) -> dict[str, float]:
