@@ -177,7 +177,7 @@ def force_unit(weight: Any, unit: str = "N") -> tuple[float, str]:
     Parameters
     ----------
     weight : float or None
-        Weight of the structure, N; of the heaviest where one page has several.
+        Weight of the structure, N.
     unit : str
         "N", "N m" for moments, or "" for a multiplier, which has no unit.
     """

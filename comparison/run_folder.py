@@ -24,6 +24,7 @@ MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
 OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
+HEAD = ("title", "project", "author", "date")  # words of a report's head, which a command may choose
 DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on
 OF_CAMPAIGN = (DEFINITION, "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks

@@ -7,7 +7,7 @@ from pathlib import Path
 from comparison.cli.exit_codes import MEANINGS
 from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
-from comparison.run_folder import FIGURE_FORMATS, MOST_FRAMES, MOVING_FORMATS, require_folder_of
+from comparison.run_folder import FIGURE_FORMATS, HEAD, MOST_FRAMES, MOVING_FORMATS, require_folder_of
 from comparison.settings import HARDER_SECONDS, MOST_WORKERS
 from la_core.errors import visible
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
@@ -22,7 +22,6 @@ LIMIT_HELP = "wall time limit of each YADE run in seconds (default: as configure
 ACCURACY_HELP = "requested accuracy as a share of the answer, such as 1%%: start from the cheapest settings, refine if needed"
 SHELLS = ("bash", "zsh", "fish")
 
-HEAD = ("title", "project", "author", "date")  # words of a report's head, options of `run` and `report`
 
 AddVerb = Callable[[str, str], argparse.ArgumentParser]  # from a verb and its help text to the verb's parser
 

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from comparison.cli import tables
-from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, stored_report, write_pdf, write_report
+from comparison.run_folder import HEAD
 from comparison.verdict import Verdict
 
 

@@ -11,12 +11,11 @@ from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
-from comparison.run_folder import read_text, write_text
+from comparison.run_folder import HEAD, read_text, write_text
 from comparison.verdict import VERDICTS
 from la_core.errors import visible
 from la_core.text_table import exists
 
-HEAD = ("title", "project", "author", "date")
 LIMITATIONS = (
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
     "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "

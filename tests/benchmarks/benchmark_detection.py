@@ -154,6 +154,7 @@ def counts(entries: list[Entry]) -> list[str]:
 def page(entries: list[Entry]) -> str:
     """Return the page: what was found, a row for each mistake, and the mistakes that passed although they change much."""
     plain = [entry for entry in entries if entry["mistake"] == NONE]
+    pairs = sum(entry["wrong"] in METHODS for entry in entries)
     wrong = [entry for entry in entries if change(entry) is not None]
     passed = sorted((entry for entry in wrong if entry["verdict"] == "agree" and change(entry) >= STEPS[1]), key=change, reverse=True)
     percents = [f"{100 * step:g}" for step in STEPS[:-1]]
@@ -171,10 +172,10 @@ def page(entries: list[Entry]) -> str:
     none = Counter(str(entry["verdict"]) for entry in plain)
     found = [
         f"- Without a mistake: {', '.join(f'{count} {verdict}' for verdict, count in none.most_common())}.",
-        f"- {len(wrong)} pairs of a right and a wrong method, of {len(entries) - len(plain)}, have a change that limit analysis knows.",
+        f"- {len(wrong)} pairs of a right and a wrong method, of {pairs}, have a change that limit analysis knows.",
         f"- Of the {len(large)} that change the reaction by 2 % or more, {len(large) - by_both['agree']} are noticed "
         f"({', '.join(f'{count} {verdict}' for verdict, count in by_both.most_common())}).",
-        *(f"- Checks that decide, the first one of each *{verdict}*: {names}." for verdict, names in checks.items()),
+        *(f"- The first check that says *{verdict}*, with the number of pairs: {names}." for verdict, names in checks.items()),
     ]
     parts = [HEAD.rstrip("\n"), "\n".join(found), "Disagree or refused / inconclusive / agree, by change of the reaction:"]
     parts += [table(("mistake", *classes), rows), LEGEND.rstrip("\n")]

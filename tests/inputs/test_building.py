@@ -237,7 +237,7 @@ def test_a_block_that_is_cut_on_both_sides_bears_a_flat_arch(first, second, entr
         (
             opening("south", (0.8, 0.4), (1.8, 0.8), bearing=0.1, head="flat arch") + "\n" + opening("south", (1.9, 0.2), (2.5, 1.0)),
             {},
-            "either side to bear on, and there is none on the right, at 1.9 m; take a smaller bearing",
+            "on either side, and this block is missing on the right, at 1.9 m; take a smaller bearing",
         ),
         (opening("south", (1.0, 0.4), (1.6, 0.8), voussoirs=3), {}, '`voussoirs` go with `head = "flat arch"`'),
         (scenes.table("[building.floor]", course=7, mass=1.0), {}, "but there are 6 `courses`"),

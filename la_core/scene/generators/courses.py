@@ -228,7 +228,7 @@ class Face:
                 skewed.append(piece)
         if bare:
             sides = " and ".join(f"the {side}, at {at:g} m" for side, at in bare.items())
-            rule = f"a flat arch needs a block of the same course on either side to bear on, and there is none on {sides}"
+            rule = f"a flat arch bears on a block of the same course on either side, and this block is missing on {sides}"
             raise SceneError(f"{self.where}: opening", rule, value=(opening.from_, opening.to), hint=LESS_BEARING)
         feet, crowns = (_divided(span, opening.voussoirs) for span in ((left, right), (low, high)))
         return [*skewed, *(Piece(foot, crown) for foot, crown in zip(pairwise(feet), pairwise(crowns), strict=True))]
