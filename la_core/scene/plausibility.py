@@ -152,9 +152,11 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
     if twists is None or not supports.any():
         return
     velocity = twists[supports, :3] + np.cross(twists[supports, 3:], blocks.centroid[supports])
+    # Under gravity aslant, as on an inclined model, a level motion has a part against gravity and lifts nothing.
+    along = np.array([gravity, np.where(np.abs(gravity) == np.abs(gravity).max(), gravity, 0.0)])
     rounded = UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max()
-    rises = velocity @ gravity < -rounded
-    if np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity < -rounded:
+    rises = (velocity @ along.T < -rounded).all(axis=1)
+    if (along @ np.average(velocity, axis=0, weights=blocks.volume[supports]) < -rounded).all():
         yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."
     elif rises.any() and np.ptp(twists[supports], axis=0).any():  # one rigid body that turns may rise at one end
         yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted, while the support sinks as a whole."

@@ -115,6 +115,14 @@ def test_ground_may_be_long_and_a_spreading_or_turning_support_is_no_lift(write_
     assert "against gravity" in warnings_of(write_scene(changed(text, ("direction = [0.0, 0.0, -1.0]", backward))))
 
 
+@pytest.mark.parametrize(("direction", "lifts"), [("[-1.0, 0.0, 0.0]", False), ("[-1.0, 0.0, 0.1]", True), ("[-1.0, 0.0, -0.1]", False)])
+def test_under_gravity_aslant_a_level_support_lifts_nothing(write_scene: WriteScene, two_pads: str, direction: str, lifts: bool) -> None:
+    """Each of these motions has a part against gravity, but only one goes up."""
+    aslant = changed(two_pads, ("gravity = [0.0, 0.0, -9.81]", "gravity = [2.0, 0.0, -9.6]"))
+    text = changed(aslant, ("direction = [0.0, 0.0, -1.0]", f"direction = {direction}"))
+    assert ("against gravity" in warnings_of(write_scene(text))) == lifts
+
+
 def test_a_warning_stands_in_every_answer_and_in_the_report(
     write_scene: WriteScene, two_pads: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
