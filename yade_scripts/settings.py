@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS, UNBALANCED
+from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS, UNBALANCED, broken_rule
 from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
@@ -36,12 +36,6 @@ CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was 
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 ROWS = 1200  # of the record over the full travel, more for stiffer joints
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
-
-_MAY_VANISH = frozenset(
-    ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed",
-     "added_mass", "swing_damping", "gravity_ramp")
-)  # fmt: skip
-_SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 
 
 @dataclass(frozen=True)
@@ -225,20 +219,10 @@ def _checked(overrides: dict[str, Any]) -> dict[str, float]:
             near = difflib.get_close_matches(name, kinds, 1)
             hint = f"did you mean {near[0]!r}?" if near else f"settings are {', '.join(kinds)}"
             raise CaseError(f"scene/settings: unknown setting {name!r}; {hint}")
-        rule = _broken_rule(name, value, whole=kinds[name] is int)
+        rule = broken_rule(name, value)
         if rule:
             raise CaseError(f"scene/settings: {name} is {value!r}; it must be {rule}")
     return {name: value if kinds[name] is int else float(value) for name, value in overrides.items()}
-
-
-def _broken_rule(name: str, value: Any, whole: bool) -> str:
-    """Return the rule that a setting's value breaks, or "". whole: whether it must be a whole number."""
-    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    if not is_number or (whole and not isinstance(value, int)):
-        return "a whole number" if whole else "a finite number"
-    if value < 0.0 or (value == 0.0 and name not in _MAY_VANISH):
-        return "at least 0" if name in _MAY_VANISH else "greater than 0"
-    return "less than 1" if name in _SHARES and value >= 1.0 else ""
 
 
 def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:

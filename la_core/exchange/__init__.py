@@ -15,6 +15,7 @@ from la_core.exchange.dem_settings import (
     TRAVEL_PERIODS,
     UNBALANCED,
     UNCERTAIN,
+    broken_rule,
     setting_unit,
 )
 from la_core.exchange.fields import (
@@ -81,6 +82,7 @@ __all__ = [
     "UNCERTAIN",
     "ExchangeError",
     "Field",
+    "broken_rule",
     "coulomb_fields",
     "holds",
     "inputs_digest",

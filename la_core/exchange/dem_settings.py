@@ -1,4 +1,7 @@
-"""Settings that limit analysis and YADE share: travel of a run, stored states, and the settings in a case file."""
+"""Settings that limit analysis and YADE share: travel of a run, stored states, the settings in a case file and their rules."""
+
+import math
+from typing import Any
 
 POSES = 40  # states of a YADE run over its full travel
 TRAVEL_PERIODS = 1200.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
@@ -33,6 +36,25 @@ LATER_SETTINGS = (
     "stiffening", "least_stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
     "gravity_ramp", "threads", "plateau_share", "settling_step",
 )  # fmt: skip
+
+_WHOLE = frozenset(("record_rows", "poses", "threads"))  # numbers that count something
+_MAY_VANISH = frozenset(
+    ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed",
+     "added_mass", "swing_damping", "gravity_ramp")
+)  # fmt: skip
+_BELOW_ONE = frozenset(("gravity_damping", "rest_unbalanced"))
+
+
+def broken_rule(name: str, value: Any) -> str:
+    """Return the rule that the value of a setting of YADE breaks whatever the structure, in words after "must be", or ""."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not is_number or (name in _WHOLE and not isinstance(value, int)):
+        return "a whole number" if name in _WHOLE else "a finite number"
+    if value < 0.0 or (value == 0.0 and name not in _MAY_VANISH):
+        return "at least 0" if name in _MAY_VANISH else "greater than 0"
+    if name == "time_step_share" and value > 1.0:
+        return "at most 1: beyond that the integration is unstable"
+    return "less than 1" if name in _BELOW_ONE and value >= 1.0 else ""
 
 
 def setting_unit(name: str, turns: bool) -> str:

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import cg
 
 from la_core.errors import SceneError
-from la_core.exchange import RADIUS_OVER_INSET
+from la_core.exchange import RADIUS_OVER_INSET, broken_rule
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 
 TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
@@ -96,10 +96,8 @@ def _refuse_impossible(settings: Mapping[str, Any], inset: float) -> None:
 
 def _broken_rule(name: str, value: Any, inset: float) -> str:
     """The rule that the value of a setting breaks, or "" where it breaks none."""
-    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
-        return "a finite number"
-    if value < 0.0 or (value == 0.0 and name != "shear_stiffness"):  # without shear stiffness joints are smooth, not gone
-        return "at least 0" if name == "shear_stiffness" else "greater than 0"
+    if rule := broken_rule(name, value):
+        return rule
     is_too_large = name == "sphere_radius" and 0.0 < inset <= value  # the sphere would touch across the edge of its face
     return f"less than the inset of the contact points, {inset:g} m" if is_too_large else ""
 

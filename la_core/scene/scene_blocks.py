@@ -10,7 +10,7 @@ import numpy as np
 
 from la_core.drawing import straightened
 from la_core.errors import SceneError, nearest
-from la_core.exchange import FREE, SETTINGS
+from la_core.exchange import FREE, SETTINGS, broken_rule
 from la_core.geometry import ROLES, shapes
 from la_core.repair import Repairs, close_joints
 from la_core.scene.generators import arches, building, dome, rubble, wall
@@ -119,9 +119,11 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
         wanted = "multiplier" if driven != "settlement" else "reaction_over_weight"
         rule = f"a [{driven}] scene expects a `{wanted}`"
         yield ("expected",), str(SceneError("expected", rule))
-    for name in file.yade:
+    for name, value in file.yade.items():
         if name not in SETTINGS:
             yield ("yade", name), str(SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS)))
+        elif rule := broken_rule(name, value):
+            yield ("yade", name), str(SceneError(f"yade.{name}", f"must be {rule}", value=value))
     yield from faults_of_tilt(file)
     yield from _faults_of_density(tables, file)
 

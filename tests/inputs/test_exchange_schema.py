@@ -48,3 +48,11 @@ def test_every_dataset_carries_unit_and_meaning(case) -> None:
 def test_every_solution_value_has_a_field() -> None:
     names = [field.path.rsplit("/", 1)[1] for field in solution_fields("x")]
     assert sorted(names) == sorted(field.name for field in fields(Solution))
+
+
+def test_the_rules_of_settings_know_which_ones_are_whole_numbers() -> None:
+    from yade_scripts.settings import Settings
+
+    assert {field.name for field in fields(Settings)} == set(exchange.SETTINGS)
+    for field in fields(Settings):
+        assert (exchange.broken_rule(field.name, 0.5) == "a whole number") == (field.type is int), field.name

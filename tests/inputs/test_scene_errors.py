@@ -157,6 +157,11 @@ CHANGED = {
         (MOTION, MOTION + '\n[effects]\nfriction = "colomb"'),
         "effects.friction = 'colomb': must be 'auto', 'coulomb', 'associated' or 'none-slides'",
     ),
+    "no states of YADE": ((MOTION, MOTION + "\n[yade]\nposes = 0"), "yade.poses = 0: must be greater than 0"),
+    "part of a thread": ((MOTION, MOTION + "\n[yade]\nthreads = 1.5"), "yade.threads = 1.5: must be a whole number"),
+    "support that stands still": ((MOTION, MOTION + "\n[yade]\nspeed = 0"), "yade.speed = 0: must be greater than 0"),
+    "too much local damping": ((MOTION, MOTION + "\n[yade]\ngravity_damping = 1"), "yade.gravity_damping = 1: must be less than 1"),
+    "unstable time step": ((MOTION, MOTION + "\n[yade]\ntime_step_share = 1.01"), "yade.time_step_share = 1.01: must be at most 1: beyond"),
     "kind of expectation": (('"exact"', '"guess"'), "expected.kind = 'guess': must be 'exact', 'published' or 'computed'"),
     "part of a block": (
         (MOTION, WALL.replace("per_course = 4", "per_course = 2.5") + MOTION),
