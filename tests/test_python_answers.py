@@ -128,3 +128,12 @@ def test_a_scene_may_be_given_by_its_name_or_its_file(tmp_path: Path) -> None:
     for wrong in (3, None, {"joint": {}}, by_name):
         with pytest.raises(la_core.SceneError, match=f"{type(wrong).__name__}.*must be a scene, the path of a scene file, or the name"):
             la_core.solve(wrong)
+
+
+def test_a_listener_that_cannot_listen_is_refused_before_anything_is_computed() -> None:
+    class Deaf:
+        def bounds(self, analysis: object) -> None:
+            raise AssertionError("the bounds were computed")
+
+    with pytest.raises(la_core.SceneError, match="listener = 'Deaf': must have the methods `bounds` and `path`"):
+        la_core.solve("two_pads", listener=Deaf())  # type: ignore[arg-type]

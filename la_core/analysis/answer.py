@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from la_core.analysis.result import LimitAnalysis, answer_values
-from la_core.analysis.settings import AnalysisListener, AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings, checked
 from la_core.analysis.stage import analyse
 from la_core.coulomb import CoulombSolution
 from la_core.errors import SceneError
@@ -221,8 +221,8 @@ def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = Fal
     Raises
     ------
     SceneError
-        The scene is invalid, or requests an effect that it does not allow, or `path` is requested with another friction law or with
-        `bounds_only`.
+        The scene or the listener is invalid, or the scene requests an effect that it does not allow, or `path` is requested with
+        another friction law or with `bounds_only`.
 
     Examples
     --------
@@ -237,7 +237,7 @@ def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = Fal
         raise scene.located(SceneError("effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"'))
     if path and bounds_only:
         raise SceneError("bounds_only", "a path is no bound", value=True, hint="leave out `path` or `bounds_only`")
-    return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path, bounds_only=bounds_only), listener))
+    return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path, bounds_only=bounds_only), checked(listener)))
 
 
 def answer_headings(scene: Scene) -> tuple[str, str, str]:

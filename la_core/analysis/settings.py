@@ -1,10 +1,11 @@
 """What a caller may give to an analysis beside its scene: settings, and a listener."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from la_core.analysis.result import LimitAnalysis
 from la_core.coulomb import PathProgress, PredictionSettings
+from la_core.errors import SceneError
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class AnalysisSettings:
     bounds_only: bool = False
 
 
+@runtime_checkable
 class AnalysisListener(Protocol):
     """Receives what an analysis finds, while it still runs."""
 
@@ -41,6 +43,13 @@ class AnalysisListener(Protocol):
 
     def path(self, report: PathProgress) -> None:
         """Receive how far a path is; the path belongs to the bounds that were received last."""
+
+
+def checked(listener: AnalysisListener | None) -> AnalysisListener | None:
+    """Return the listener that a caller gave; raises SceneError where it lacks a method, before anything is computed."""
+    if listener is not None and not isinstance(listener, AnalysisListener):
+        raise SceneError("listener", "must have the methods `bounds` and `path`, or be None", value=type(listener).__name__)
+    return listener
 
 
 class Silent:

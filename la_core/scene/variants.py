@@ -94,8 +94,9 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
 
     Notes
     -----
-    The title gets the changes appended, unless `changes` has a title. Where the structure changes, `source` and
-    [expected] are deleted unless `changes` has new ones: they speak of the original structure only.
+    The title gets the changes appended, unless `changes` has a title. Where more changes than words,
+    `accuracy`, `effort` or [yade], `source` and [expected] are deleted unless `changes` has new ones: they speak of the original scene
+    only.
 
     Examples
     --------
