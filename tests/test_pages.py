@@ -19,7 +19,7 @@ from comparison.campaign.cases import expand
 from comparison.cli.arguments import parser
 from comparison.cli.commands import COMMANDS, main
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, INTERRUPTED, TOOL, USAGE
-from comparison.verdict.verdict_table import verdict_cells
+from comparison.verdict.verdict_table import VERDICTS, verdict_cells
 from la_core.analysis.stage import analyse
 from la_core.limit.classic_iteration import ClassicParameters
 from la_core.limit.problem import Drive
@@ -161,6 +161,21 @@ def test_every_command_has_a_row_in_the_readme_and_on_its_own_page() -> None:
         rows = "\n".join(re.findall(r"^\| `crosscheck .*?\|", page, re.MULTILINE))
         commands = re.findall(r"`crosscheck (\w+)", rows)
         assert len(commands) == len(set(commands)) and set(commands) == set(COMMANDS)
+
+
+def test_every_verdict_has_its_words_on_both_pages() -> None:
+    glossary = (CHECKS.parent / "glossary.md").read_text(encoding="utf-8")
+    (row,) = re.findall(r"^\| verdict \|.*$", glossary, re.MULTILINE)
+    for _, words in VERDICTS.values():
+        name = words.partition(" (")[0]
+        assert name in row.lower() and name in " ".join(CHECKS.read_text(encoding="utf-8").lower().split()), name
+
+
+def test_effects_have_their_reasons_where_the_glossary_says(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    glossary = (CHECKS.parent / "glossary.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"`crosscheck (show[^`]*)` lists all seven with reasons", glossary)
+    assert main([*command.split(), "two_pads", "-q", "-o", str(tmp_path / "pads.png")]) == 0
+    assert "reason" in capsys.readouterr().out
 
 
 def test_every_exit_code_has_a_row() -> None:

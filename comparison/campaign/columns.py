@@ -51,7 +51,7 @@ AFTER_KEYS = {
     "coulomb_uncertainty": Column(ANSWER, "uncertainty that the Coulomb prediction states", "number"),
     "coulomb_released": Column(ANSWER, "Coulomb prediction after turning blocks have released thrusts; empty where unknown", "number"),
     "coulomb_released_uncertainty": Column(ANSWER, "uncertainty that it states", "number"),
-    "coulomb_plateaus": Column("", "plateaus that the paths of the prediction end on", "count"),
+    "coulomb_plateaus": Column("", "number of plateaus on which the paths of the prediction end", "count"),
     "coulomb_low": Column(ANSWER, "least value that the mechanism of the prediction allows", "number"),
     "coulomb_high": Column(ANSWER, "greatest value that the mechanism of the prediction allows", "number"),
     "coulomb_sharp": Column(

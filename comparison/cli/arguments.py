@@ -140,7 +140,8 @@ def _add_run(add: AddVerb) -> None:
     run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     harder_help = (
-        "where the verdict is inconclusive or disagree, run both methods again with finer settings of their own, in the folder SCENE_harder"
+        "where the verdict is inconclusive, disagree or expected value not met, run both methods again with finer settings of their own, "
+        "in the folder SCENE_harder"
     )
     run.add_argument("--try-harder", action="store_true", help=harder_help)
     most = f"wall time of --try-harder, which this option implies, for each scene in seconds (default: {HARDER_SECONDS:g}, 15 minutes)"

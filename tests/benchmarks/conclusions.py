@@ -131,7 +131,7 @@ def counts(folder: Path) -> str:
 
 
 def reactions(rows: list[dict[str, str]]) -> str:
-    """How the reaction of a settling end changes with friction, and how slenderness acts on the mechanism."""
+    """How the reaction of a wall's settling end changes with friction, and how slenderness acts on the mechanism."""
     zones: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows:
         if row["sweep"] == "wall":
@@ -147,7 +147,7 @@ def reactions(rows: list[dict[str, str]]) -> str:
     friction = [row["joint.friction"] for row in rows if row["sweep"] == "wall"]
     return sentences(
         [
-            f"From a friction of {friction[0]} to {friction[-1]} the reaction of a settling end falls by "
+            f"From a friction of {friction[0]} to {friction[-1]} the reaction of a wall's settling end falls by "
             f"{span([100.0 * fall for fall in kept])} % where the mechanism stays"
             + (f", and by {span([100.0 * fall for fall in switched])} % where it changes." if switched else "."),
             f"In {alike} of these {sum(map(len, zones.values()))} cases the same blocks move in both methods.",

@@ -104,6 +104,17 @@ def test_a_wall_with_an_arched_head_in_its_middle_is_symmetric() -> None:
         assert np.allclose(*(np.unique(np.round(v, 9), axis=0) for v in (vertices, vertices * (-1, 1, 1))), atol=2e-9)
 
 
+def test_blocks_are_named_by_course_and_by_place_from_the_left() -> None:
+    """As the page of scenes says: loads and ties choose blocks by these names."""
+    blocks = scenes.build(wall()).blocks
+    sixth = {name: place for name, place in zip(blocks.names, blocks.centroid, strict=True) if name.startswith("wall 6.")}
+    assert list(sixth)[:3] == ["wall 6.1", "wall 6.2", "wall 6.3"]
+    assert all(before[0] < after[0] for before, after in pairwise(sixth.values()))
+    assert min(place[2] for place in sixth.values()) > max(
+        c[2] for n, c in zip(blocks.names, blocks.centroid, strict=True) if "wall 5." in n
+    )
+
+
 def test_heights_that_are_all_those_of_a_block_change_nothing() -> None:
     one, other = scenes.build(wall()).blocks, scenes.build(wall(heights=(HEIGHT,))).blocks
     assert one.names == other.names and np.allclose(one.vertices, other.vertices, atol=1e-12)
