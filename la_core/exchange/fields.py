@@ -205,8 +205,10 @@ LATER_RUN_FIELDS = (*UNCERTAINTY_PARTS, DAMPED_ENERGY)  # runs of version 0.2.0 
 # Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
 RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
-    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, or multiplier, extrapolated to zero settlement"),
-    Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
+    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, or multiplier, which has no unit, extrapolated to zero settlement"),
+    Field(
+        "result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction, or multiplier; it and its parts then have no unit"
+    ),
     *UNCERTAINTY_PARTS,
     Field("result/settlement", "f8", (), "m or rad", "achieved motion of the support, read from its pose"),
     Field(
@@ -217,7 +219,7 @@ RUN_FIELDS = (
         "motion imposed until the stop, of the support or the point that pulls a live load",
     ),
     Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
-    Field("result/slope", "f8", (), "N/m", "slope of the fitted line"),
+    Field("result/slope", "f8", (), "N/m", "slope of the fitted line; N m/rad for a rotation, 1/m for a multiplier"),
     Field("result/kinetic_ratio", "f8", (), "-", "largest kinetic energy on the plateau over the weights' work there"),
     Field("result/steps", "i8", (), "", "time steps taken"),
     Field("result/seconds", "f8", (), "s", "wall time inside YADE"),
@@ -232,7 +234,7 @@ RUN_FIELDS = (
         "f8",
         ("T",),
         "N or N m",
-        "minus support twist . wrench of the support on the structure; or the multiplier",
+        "minus support twist . wrench of the support on the structure; or the multiplier, which has no unit",
     ),
     Field("record/support_wrench", "f8", ("T", 6), "N, N m", "force and moment (about the origin) of supports on the structure"),
     Field("record/kinetic_energy", "f8", ("T",), "J", "kinetic energy of the free blocks"),

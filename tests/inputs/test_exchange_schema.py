@@ -50,6 +50,12 @@ def test_every_solution_value_has_a_field() -> None:
     assert sorted(names) == sorted(field.name for field in fields(Solution))
 
 
+def test_values_that_a_live_load_makes_a_multiplier_say_that_they_then_have_no_unit() -> None:
+    meanings = {field.path: field.meaning for field in RUN_FIELDS}
+    for path in ("result/reaction", "result/uncertainty", "record/reaction"):
+        assert "multiplier" in meanings[path] and "no unit" in meanings[path], path
+
+
 def test_the_rules_of_settings_know_which_ones_are_whole_numbers() -> None:
     from yade_scripts.settings import Settings
 
