@@ -38,7 +38,7 @@ AFTER_KEYS = {
     "reason": Column("", "reason for any other verdict than agree, or for the failure"),
     "next_step": Column("", "what to do next; empty where both methods agree"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
-    "weight": Column("N", "weight of the free blocks", "number"),
+    "weight": Column("N", "weight W of the free blocks and of the loads on them", "number"),
     "least_tolerance": Column(
         ANSWER, "always allowed difference: 1e-4 of the weight, of a moment times the size of a mean block; 1e-4 for multipliers", "number"
     ),

@@ -23,8 +23,8 @@ from la_core.text_table import without_round_off
 _STONE = "the Coulomb prediction is limit analysis' answer with the friction of stone."
 LIMITS = f"No state in balance on these contact points lies below R_min or above R_max; {_STONE}"
 MEANINGS = {  # what the values are, by their unit
-    "N": f"R is the force of the support against its motion, W the weight of the free blocks. {LIMITS}",
-    "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks. {LIMITS}",
+    "N": f"R is the force of the support against its motion, W the weight of the free blocks and the loads on them. {LIMITS}",
+    "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks and the loads on them. {LIMITS}",
     "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No state in balance on "
     f"these contact points lies above the associated one; {_STONE}",
 }

@@ -13,8 +13,8 @@ from la_core.text_table import number_text, over_weight
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
 BY_BOTH = "limit analysis' bounds and prediction, YADE's plateau"
 TITLES = {  # of the table, by the unit of the values
-    "N": f"reaction over the weight W of the free blocks: {BY_BOTH}",
-    "N m": f"moment on the turning support over the weight W of the free blocks, in m: {BY_BOTH}",
+    "N": f"reaction over the weight W of the free blocks and their loads: {BY_BOTH}",
+    "N m": f"moment on the turning support over the weight W of the free blocks and their loads, in m: {BY_BOTH}",
     "": "multiplier of the live load: limit analysis' upper bound and prediction, YADE's plateau",
 }
 BESIDE = {"N m": "; of a turning support its moment over W, in m", "": "; of a live load its multiplier, bounded from above"}

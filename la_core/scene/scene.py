@@ -210,7 +210,8 @@ class Scene(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in ROLES.items()]
-        values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
+        weight = ("weight of the free blocks and their loads", self.weight, "N")
+        values = (weight, ("friction", self.friction, ""), ("inset", self.inset, "m"))
         return self.title, (self.name, "", "unit"), [*counts, *((name, number_text(value), unit) for name, value, unit in values)]
 
 

@@ -284,3 +284,9 @@ def test_the_caption_says_what_the_figure_shows(
     (figure,) = view_of_scene(tmp_path, 1, comparison, Units(1000.0))["figures"]
     assert all(words in figure["caption"] for words in shown), figure["caption"]
     assert not any(words in figure["caption"] for words in hidden), figure["caption"]
+
+
+def test_w_is_said_to_hold_the_loads_wherever_reactions_are_given_over_it(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of())
+    for text in (page, markdown.replace("\n", " "), verdict_title({"N"}), verdict_title({"N m"}), values.MEANINGS["N m"]):
+        assert "weight" in text and ("of the free blocks and the loads on them" in text or "of the free blocks and their loads" in text)
