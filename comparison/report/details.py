@@ -121,6 +121,11 @@ ENERGIES = {
     "viscous": "dissipated by damping",
 }
 DRIVES = ("support", "load")  # one of them acts; the other one does no work
+ENERGY_NOTE = (
+    "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
+    "signs. Where weight and live load oppose each other, each of them may do more work than this. Between two stored states a force "
+    "counts as the mean of both; this error shows as work that is not accounted for, and may make a small dissipation negative."
+)
 
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
@@ -138,6 +143,13 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
         {"name": name, "joule": small_number(value, turnover, 4), "share": f"{small_number(100.0 * value / turnover, 100.0, 5)} %"}
         for name, value in parts.items()
     ]
+
+
+def energy_view(comparison: dict[str, Any]) -> dict[str, Any]:
+    """Return the energies for the templates: their rows, over which part of the run they add up, and what they mean."""
+    on_plateau = (comparison.get("effects") or {}).get("recording") == "plateau"  # only its states were stored
+    span = "from its first to its last stored state on the plateau" if on_plateau else "from rest under gravity to its end"
+    return {"rows": energies(comparison), "span": span, "note": ENERGY_NOTE}
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:

@@ -17,7 +17,7 @@ from comparison.numbers import (
     range_words,
     small_number,
 )
-from comparison.report.details import accuracy_rows, costs, energies, measures
+from comparison.report.details import accuracy_rows, costs, energy_view, measures
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
@@ -100,7 +100,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "rounding": rounding_words(comparison, units),
         "costs": list(costs(comparison, results, EVIDENCE, units)),
         "accuracy": list(accuracy_rows(comparison)),
-        "energies": energies(comparison),
+        "energy": energy_view(comparison),
         "measures": list(measures(comparison, results["live"], units)),
         "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),

@@ -227,3 +227,17 @@ def test_a_setting_that_the_scene_gives_has_its_unit() -> None:
     text = find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 0.01\nthreads = 1\n"
     given = {row[0]: row[1] for row in key_rows(text)}
     assert given["yade.speed"] == "0.01 m/s" and given["yade.threads"] == "1"
+
+
+@pytest.mark.parametrize(
+    ("recording", "span"),
+    [("states", "from rest under gravity to its end"), ("plateau", "from its first to its last stored state on the plateau")],
+)
+def test_the_energies_say_what_they_cover_and_what_the_turnover_is(recording: str, span: str, tmp_path: Path) -> None:
+    energy = {"weights": -1.4, "support": 0.0, "load": 1.6, "kinetic": 0.0, "elastic": 0.1, "friction": 0.1, "viscous": -0.01}
+    comparison = comparison_of(energy=energy | {"turnover": 0.7, "drift": 0.01})
+    comparison["effects"]["recording"] = recording
+    page, markdown = page_and_markdown(tmp_path, comparison)
+    assert f"Energy of YADE's run, {span}<" in page and f"| energy of YADE's run, {span} |" in markdown
+    for text in (page, markdown):
+        assert "−200.00 %" in text and "The turnover is the sum of the work on each block" in text
