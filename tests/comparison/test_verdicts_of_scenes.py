@@ -6,10 +6,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import scenes
 from judged_runs import case_of
 from runs import perfect_run, with_answers
 
-from comparison.judge.checks import friction_state, mechanisms, run_checks, sections, tolerances
+from comparison.judge.checks import friction_state, mechanisms, next_steps, run_checks, sections, tolerances
 from comparison.judge.checks.answer import check_expected
 from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Check, Verdict, overall
@@ -129,3 +130,11 @@ def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> Non
     sharp = dataclasses.replace(analysis.sharp, bounds=doubtful, coulomb=coulomb)
     verdicts = {check.verdict for check in check_expected(dataclasses.replace(analysis, sharp=sharp))}
     assert verdicts == {Verdict.INCONCLUSIVE}
+
+
+def test_an_expected_value_without_an_answer_asks_for_what_the_answer_lacks() -> None:
+    """A flat arch without a thrust slides down on elastic joints. Its friction law is right, so the source is no help."""
+    scene = scenes.load(find("flat_arch").read_text().replace("wedging = 2e-5", ""))
+    (check,) = check_expected(analyse(scene))
+    assert check.verdict is Verdict.INCONCLUSIVE and "the blocks slide and fall" in check.reason
+    assert check.next_step == next_steps.GIVE_THRUST

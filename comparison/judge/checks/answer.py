@@ -11,7 +11,7 @@ from comparison.numbers import format_number
 from comparison.verdict import Check, Verdict, within
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
-from la_core.limit import Drive, Status
+from la_core.limit import Drive, Solution, Status
 
 OF_ONE_METHOD = {Verdict.AGREE: Verdict.EXPECTED_MET, Verdict.DISAGREE: Verdict.UNEXPECTED}  # nobody agrees or disagrees with it
 
@@ -50,8 +50,9 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
             check = within(name, computed, number, tolerance, unit, reason, next_steps.CHECK_SOURCE)
             if not solved:
-                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
-                check = replace(check, reason=unknown)
+                why = f": {FELL}" if _fell(solution) else ""
+                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}{why}."
+                check = replace(check, reason=unknown, next_step=_step_without_value(analysis, solution))
             verdict = OF_ONE_METHOD.get(check.verdict, check.verdict)
             yield replace(check, verdict=verdict, yade=None)  # the number compared is the scene's own, and the report names it as such
 
@@ -64,13 +65,25 @@ def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
         yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.without_value(analysis))
     elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
         reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
-        step = next_steps.for_a_thrust(analysis.scene) if math.isinf(coulomb.uncertainty) else next_steps.FINER_PATHS
-        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)
+        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_step_without_value(analysis, coulomb))
+
+
+def _fell(solution: Solution | CoulombSolution) -> bool:
+    return isinstance(solution, CoulombSolution) and math.isinf(solution.uncertainty)
+
+
+def _step_without_value(analysis: LimitAnalysis, solution: Solution | CoulombSolution) -> str:
+    """Return what to do about an answer that is not solved: it is no other value than the source's, but none, so the cause decides."""
+    if solution.status is Status.INFEASIBLE:
+        return next_steps.CHECK_SOURCE
+    if not isinstance(solution, CoulombSolution) or solution.status is Status.UNBOUNDED:
+        return next_steps.without_value(analysis)
+    return next_steps.for_a_thrust(analysis.scene) if _fell(solution) else next_steps.FINER_PATHS
 
 
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
     """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
-    if math.isinf(coulomb.uncertainty):
+    if _fell(coulomb):
         return f": {FELL}"
     if coulomb.status is not Status.INACCURATE:
         return ", so it has no value"
