@@ -251,7 +251,8 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
     yield "status", answer["status"], ""
     for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
         if name in answer:
-            yield _quantity(scene, name.replace("_", " "), answer[name])
+            limitless = "reaction_max" in name and answer["reaction_max_status"] == "unbounded" and not exists(answer[name])
+            yield (name.replace("_", " "), "no upper limit", "") if limitless else _quantity(scene, name.replace("_", " "), answer[name])
     if "falling" in answer:
         yield "blocks that fall", ", ".join(answer["falling"]), ""
     yield from _angle_rows("", answer)

@@ -218,3 +218,10 @@ def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path
     assert "next: Set inset = 0 in the scene's [joint] table" in " ".join("".join(capsys.readouterr()).split())
     path.write_text(in_a_slot(inset=0.0))
     assert main(["solve", str(path), "--accuracy", "1%"]) == 0
+
+
+def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
+    """A dash is a value that does not exist; nothing limits how hard the flat arch may be pressed."""
+    analysis = analyse(scenes.shipped("flat_arch"))
+    rows = {name: value for name, value, _ in answer_rows(analysis.scene, answer_values(analysis))}
+    assert rows["reaction max"] == rows["reaction max sharp"] == "no upper limit"
