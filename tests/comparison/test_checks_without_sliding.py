@@ -197,3 +197,18 @@ def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalys
     found = check_run(Results(arch[1], perfect_run(arch[1], uncertainty=math.nan)))
     assert verdict_of("reaction within bounds", found) is Verdict.INCONCLUSIVE
     assert verdict_of("reaction against prediction", found) is Verdict.INCONCLUSIVE
+
+
+def test_shares_of_moving_mass_that_differ_although_the_check_passes_say_why(
+    arch: tuple[Scene, LimitAnalysis], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A reader saw 0.591 and 0.525 with a difference of 0."""
+    run = perfect_run(arch[1])
+    run.poses.displacement[:] = 0.0
+    run.poses.displacement[:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
+    monkeypatch.setattr(mechanisms, "_mass_in_one_only", lambda *_: 0.0)  # as if all speeds lay beside the threshold
+    check = next(check for check in check_run(Results(arch[1], run)) if check.name == "moving blocks")
+    assert check.verdict is Verdict.AGREE and check.difference == 0.0
+    assert check.reason == mechanisms.NEARLY_AT_REST and "from 5 % of the fastest speed on" in check.reason
+    same = next(check for check in check_run(Results(arch[1], perfect_run(arch[1]))) if check.name == "moving blocks")
+    assert not same.reason

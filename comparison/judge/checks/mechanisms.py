@@ -18,6 +18,10 @@ SIMILAR = 0.95  # modal assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
 
+NEARLY_AT_REST = (
+    f"A block counts as moving from {percent(MOVING_SHARE)} of the fastest speed on. Some blocks are just above it in one method and just "
+    "below it in the other: their speeds agree."
+)
 MORE_STATES = "Let YADE store more states ([yade] poses)."
 COMPARE_MECHANISMS = "Look at both mechanisms in the report's 3D view, and run the scene with a little lower and a little higher friction."
 BOUNDS_LEFT = (
@@ -59,6 +63,7 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
     same = mass <= SAME_MASS
     reason = "" if same else f"Blocks with {percent(mass)} of the mass move in one method only ({percent(SAME_MASS)} accepted).{why}"
     shares = [mechanism.moving_mass_share(assembly, motion) for motion in (predicted, twists)]
+    reason = NEARLY_AT_REST if same and abs(shares[1] - shares[0]) > SAME_MASS else reason
     numbers = shares[0], shares[1], mass, SAME_MASS
     yield Check("moving blocks", Verdict.AGREE if same else other, *numbers, "of the mass", reason, "" if same else step)
 
