@@ -21,7 +21,7 @@ from comparison.report.details import accuracy_rows, costs, energy_view, measure
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
-from comparison.report.values import associated_of, expected_rows, rounding_words, stiffening_of, value_rows, values_of
+from comparison.report.values import associated_of, expected_rows, range_end, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
@@ -159,7 +159,7 @@ def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
     symbol, word = check_words(check.get("verdict"))
     unit = check.get("unit") or ""
     words = (check.get(name) for name in ("reason", "next_step"))
-    low, high = (units.value(end, unit) for end in check.get("range") or (None, None))
+    low, high = (range_end(end, unit, units) for end in check.get("range") or (None, None))
     predicted, yade, difference, tolerance = (
         units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")
     )

@@ -120,6 +120,12 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     }
 
 
+def range_end(end: Any, unit: str, units: Units) -> float | None:
+    """Return an end of a check's range in the report's units; a reaction that is only round-off beside the weight is 0."""
+    is_reaction = exists(end) and exists(units.weight) and unit in ("N", "N m")
+    return units.value(without_round_off(end, float(units.weight or 0.0)) if is_reaction else end, unit)
+
+
 def _sum(*values: Any) -> float | None:
     defined = [value for value in values if exists(value)]
     return sum(defined) if defined else None
@@ -169,7 +175,7 @@ def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
     weight = comparison.get("weight")
 
     def over(value: Any) -> float | None:
-        return value / weight if exists(value) and weight else None
+        return without_round_off(value, weight) / weight if exists(value) and weight else None
 
     def sharpest(quantity: str) -> Any:
         sharp = prediction.get(f"{quantity}_sharp")
@@ -196,6 +202,9 @@ def rounding_words(comparison: dict[str, Any], units: Units) -> str:
     sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
     if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
         return ""
+    weight = comparison.get("weight")
+    size = weight if exists(weight) and not live else 0.0
+    sharp, rounded = without_round_off(sharp, size), without_round_off(rounded, size)
     given = f"The inset of {units.text(inset, 'm', 3)}"
     change = rounded - sharp
     if abs(change) <= NO_CHANGE * abs(sharp):

@@ -1,11 +1,13 @@
 """Where the support leaves alone, reactions of zero agree, and noise is neither motion nor energy."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 import scenes
 from judged_runs import REACTION, SIMILARITY, judged, named
+from made_up_comparisons import comparison_of, page_and_markdown
 from runs import made_up_run, perfect_run
 
 from comparison.judge.checks import energy
@@ -74,3 +76,15 @@ def test_a_reaction_of_zero_that_is_not_zero_in_yade_disagrees() -> None:
     analysis = leaving(2)
     run = perfect_run(analysis, reaction=1e-3 * analysis.scene.weight)
     assert named(REACTION, judged(analysis, run)).verdict is Verdict.DISAGREE
+
+
+def test_a_reaction_of_zero_is_0_wherever_a_report_states_it(tmp_path: Path) -> None:
+    """The bound of a dome was 0 kN among the values, and 2.0397e-8 kN, 7.4132e-10 kN and 1.36507e-11 of W elsewhere."""
+    comparison = comparison_of(expected={"associated_reaction_over_weight": 0.0, "tolerance": 1e-6, "kind": "exact"})
+    comparison["limit_analysis"]["associated"] |= {"reaction": 2.0397e-5, "reaction_sharp": 7.4132e-7}
+    numbers = {"limit_analysis": 2.0397e-5, "yade": 363.5, "difference": 0.0, "tolerance": 3.6, "range": [2.0397e-5, 2153.9]}
+    comparison["checks"] = [{"name": "reaction within bounds", "verdict": "agree", "unit": "N", "reason": ""} | numbers]
+    page, markdown = page_and_markdown(tmp_path, comparison)
+    for text in (page, markdown):
+        assert "does not change the associated reaction, 0 kN." in text and "0 to 2.1539" in text
+        assert "2.0397e" not in text and "7.4132e" not in text and "3.435" not in text
