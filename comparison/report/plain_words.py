@@ -153,9 +153,10 @@ def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
     share = ((measures.get("coulomb") or measures.get("associated")) or {}).get("moving_mass_share")
     if not count:
         return "no block moves"
+    if count == total == 1:
+        return "the only block moves"
     mass = f" ({format_number(100.0 * share, 2)} % of their mass)" if exists(share) else ""
-    which = "the only block" if count == total == 1 else f"{count} of the {total} blocks"
-    return f"{which}{mass} move{'s' if count == 1 else ''}"
+    return f"{count} of the {total} blocks{mass} move{'s' if count == 1 else ''}"
 
 
 def _support_words(facts: dict[str, Any]) -> str:

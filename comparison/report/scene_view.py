@@ -113,7 +113,7 @@ def _notes(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield what a reader should know before the figures: earlier attempt, notes, small rotations, joints of one method only."""
     yield from _first_verdict(comparison)
     yield from comparison.get("notes") or []
-    effects = comparison.get("effects") or {}
+    effects = {} if associated_of(comparison).get("status") == "infeasible" else comparison.get("effects") or {}  # a fall is no answer
     if effects.get("friction") == "coulomb" and effects.get("rotation") == "small" and (reason := effects["reasons"].get("rotation")):
         yield f"Rotations of the blocks are small: {reason}."  # results of version 0.2.0 have no reason
     yield from _joint_notes(comparison)

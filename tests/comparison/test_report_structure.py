@@ -241,3 +241,17 @@ def test_the_energies_say_what_they_cover_and_what_the_turnover_is(recording: st
     assert f"Energy of YADE's run, {span}<" in page and f"| energy of YADE's run, {span} |" in markdown
     for text in (page, markdown):
         assert "−200.00 %" in text and "The turnover is the sum of the work on each block" in text
+
+
+def test_a_block_alone_is_no_share_of_all_blocks() -> None:
+    results = Results(analyse(load_scene(find("two_pads"))))
+    summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
+    assert "settles, the only block moves." in plain_words(summary, Units(summary["weight"]))[0]
+
+
+def test_a_structure_that_falls_has_no_answer_for_small_displacements(tmp_path: Path) -> None:
+    comparison = comparison_of()
+    comparison["effects"] |= {"rotation": "small", "reasons": {"rotation": "the answer is for small displacements"}}
+    assert "Rotations of the blocks are small" in page_and_markdown(tmp_path, comparison)[0]
+    comparison["limit_analysis"]["associated"] = {"status": "infeasible", "reaction": None, "falling": ["b"]}
+    assert "Rotations of the blocks are small" not in page_and_markdown(tmp_path, comparison)[0]
