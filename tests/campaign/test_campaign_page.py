@@ -236,3 +236,8 @@ def test_a_campaign_without_yade_tells_of_no_disagreement_and_a_mechanism_has_th
         assert "worst disagreement" not in text and "Cases are sorted" not in text and "0.100 to 0.150" in text
     write_campaign_report(replace(table, rows=rows))
     assert "the worst disagreement first" in (tmp_path / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_campaign_of_one_worker_is_not_said_to_have_run_several_cases_at_a_time(tmp_path: Path) -> None:
+    text = write_campaign_report(campaign(tmp_path, "one case")).read_text(encoding="utf-8")
+    assert "on how many cases it ran at a time" in text and "which ran several cases" not in text

@@ -25,7 +25,7 @@ LIMITATIONS = (
     "A mechanism's label is the set of blocks that move. A block that barely moves may or may not be counted: two different "
     "labels need not be two mechanisms, above all in a large wall.",
     "A mechanism changes somewhere between two neighbouring values of a parameter; more values would locate the change.",
-    "Seconds depend on the machine, which ran several cases at a time: they compare methods and cases, not machines.",
+    "Seconds depend on the machine, and on how many cases it ran at a time: they compare methods and cases, not machines.",
 )
 
 
