@@ -157,6 +157,9 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
     rounded = UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max()
     rises = (velocity @ along.T < -rounded).all(axis=1)
     if (along @ np.average(velocity, axis=0, weights=blocks.volume[supports]) < -rounded).all():
-        yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."
+        yield (
+            "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1], or an axis about "
+            "which the support sinks."
+        )
     elif rises.any() and np.ptp(twists[supports], axis=0).any():  # one rigid body that turns may rise at one end
         yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted, while the support sinks as a whole."

@@ -21,6 +21,11 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
     "tonnes for density": (("2200.0", "2.2"), "density = 2.2 kg/m3 lies outside", "t/m3, write 2200"),
     "a heavy stone": (("2200.0", "9000.0"), "density = 9000 kg/m3 lies outside 500 to 4000"),
     "a lift": (("0.0, -1.0]", "0.0, 1.0]"), "the support moves against gravity"),
+    "a turn that lifts": (
+        ("direction = [0.0, 0.0, -1.0]", "axis = [0.0, -1.0, 0.0]\npoint = [0.0, 0.0, 0.0]"),
+        "the support moves against gravity",
+        "or an axis about which the support sinks",
+    ),
     "a load in kN": (("[settlement]", LOAD.format("0.0, 0.0, -0.001]") + "[settlement]"), 'load "load" is 0.001 N', "in N, not in kN"),
     "a load that lifts": (("[settlement]", LOAD.format("0.0, 0.0, 900.0]") + "[settlement]"), 'load "load" lifts'),
     "a huge load": (("[settlement]", LOAD.format("0.0, 0.0, -9e9]") + "[settlement]"), "more than 10 times the weight"),
