@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from comparison.campaign import (
     Campaign,
     CampaignTable,
@@ -27,6 +25,7 @@ from comparison.campaign import (
     with_versions,
     write_campaign_report,
 )
+from comparison.errors import StderrConsole
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.run_folder import folder_of_results
@@ -181,8 +180,7 @@ def run_campaign(
     place = folder_of_results(default_folder(path) if folder is None else folder)
     runs_yade = defined.file.yade and yade
     whole = Campaign(defined, expand(defined), Path(os.path.realpath(place)), runs_yade, time_limit=limit)
-    console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
-    with CampaignNarration(console, defined.title) as narration:
+    with CampaignNarration(StderrConsole(quiet), defined.title) as narration:
         return _result_of(run_cases(whole, Local(count, runs_yade), narration, write_campaign_report))
 
 

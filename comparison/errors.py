@@ -1,7 +1,12 @@
-"""Errors that stop a command, besides a faulty scene, and their one message."""
+"""Errors that stop a command, besides a faulty scene, their one message, and the console of standard error."""
 
+import contextlib
 import errno
+import sys
 from pathlib import Path
+from typing import Any
+
+from rich.console import Console
 
 from la_core.errors import SceneError, missing_part
 from la_core.exchange import ExchangeError
@@ -68,3 +73,42 @@ def message_of(error: BaseException) -> str:
         return "stopped; finished stages are kept, and the same command continues from there"
     fault = f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
     return missing_part(error) if isinstance(error, ModuleNotFoundError) else fault
+
+
+class _LossyStderr:
+    """Standard error that loses what it cannot take; everything else of it is that of the stream."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    @property
+    def _stream(self) -> Any:
+        return getattr(sys.stderr, "rich_proxied_file", sys.stderr)  # bars put a stream of their own in its place
+
+    def write(self, text: str) -> int:
+        """Write a text, or lose it."""
+        with contextlib.suppress(Exception):  # a caller from Python may have put None or any object in its place
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Hand on what was written, or lose it."""
+        with contextlib.suppress(Exception):
+            self._stream.flush()
+
+
+class StderrConsole(Console):
+    """Console for narration and warnings; work goes on where standard error takes no more words: full, closed or gone.
+
+    Parameters
+    ----------
+    quiet : bool
+        Whether to print nothing.
+    has_bars : bool
+        Whether bars may be shown where stderr is a terminal.
+    """
+
+    def __init__(self, quiet: bool = False, has_bars: bool = True) -> None:
+        as_terminal = None if has_bars else False
+        stream: Any = _LossyStderr()
+        super().__init__(file=stream, quiet=quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=as_terminal)

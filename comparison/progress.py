@@ -7,6 +7,7 @@ from typing import Any, Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, TaskID, TextColumn, TimeElapsedColumn
 
+from comparison.errors import StderrConsole
 from comparison.numbers import format_number, plural, value_range
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
@@ -250,4 +251,4 @@ def _state(report: dict[str, Any]) -> str:
 
 def narration(quiet: bool) -> Narration:
     """Return a narration on standard error for a caller from Python; it prints nothing where it should be quiet."""
-    return Narration(Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True))
+    return Narration(StderrConsole(quiet))

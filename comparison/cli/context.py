@@ -9,7 +9,8 @@ from typing import Any, Self
 from rich.console import Console
 from rich.table import Table
 
-from comparison.cli.layout import StderrConsole, columns_asked, say, show_table
+from comparison.cli.layout import columns_asked, say, show_table
+from comparison.errors import StderrConsole
 from la_core.errors import visible
 from la_core.scene import Scene
 

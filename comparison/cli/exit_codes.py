@@ -5,8 +5,8 @@ import os
 import sys
 from collections.abc import Callable
 
-from comparison.cli.layout import StderrConsole, say
-from comparison.errors import message_of
+from comparison.cli.layout import say
+from comparison.errors import StderrConsole, message_of
 from la_core.errors import CannotStandError, SceneError, visible
 
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE, CANNOT_STAND = range(6)

@@ -1,11 +1,8 @@
 """Fit what is printed to the width of the terminal: columns that a table can spare go first, sentences break between words."""
 
-import contextlib
 import os
-import sys
 import textwrap
 from collections.abc import Sequence
-from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -15,45 +12,6 @@ from comparison.numbers import DASH
 
 LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 INDENT = "  "  # of the second and later lines of a sentence
-
-
-class _LossyStderr:
-    """Standard error that loses what it cannot take; everything else of it is that of the stream."""
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
-
-    @property
-    def _stream(self) -> Any:
-        return getattr(sys.stderr, "rich_proxied_file", sys.stderr)  # bars put a stream of their own in its place
-
-    def write(self, text: str) -> int:
-        """Write a text, or lose it."""
-        with contextlib.suppress(OSError):
-            self._stream.write(text)
-        return len(text)
-
-    def flush(self) -> None:
-        """Hand on what was written, or lose it."""
-        with contextlib.suppress(OSError):
-            self._stream.flush()
-
-
-class StderrConsole(Console):
-    """Console for narration and warnings; work goes on where a full disk or a terminal that has gone takes no more words.
-
-    Parameters
-    ----------
-    quiet : bool
-        Whether to print nothing.
-    has_bars : bool
-        Whether bars may be shown where stderr is a terminal.
-    """
-
-    def __init__(self, quiet: bool = False, has_bars: bool = True) -> None:
-        as_terminal = None if has_bars else False
-        stream: Any = _LossyStderr()
-        super().__init__(file=stream, quiet=quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=as_terminal)
 
 
 def columns_asked() -> int | None:

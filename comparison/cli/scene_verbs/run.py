@@ -7,8 +7,7 @@ from functools import partial
 from typing import Any
 
 from comparison.cli.context import Context
-from comparison.cli.layout import StderrConsole
-from comparison.errors import FolderInUseError, WorkerLostError
+from comparison.errors import FolderInUseError, StderrConsole, WorkerLostError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
 from comparison.settings import HARDER_SECONDS
