@@ -1,7 +1,9 @@
 """Scenes built and varied in Python are those of files, and so are the messages about their mistakes."""
 
+import copy
 import dataclasses
 import operator
+import pickle
 import re
 import tomllib
 from collections.abc import Callable
@@ -149,3 +151,18 @@ def test_the_arrays_of_a_scene_cannot_be_changed_behind_its_text(array: str) -> 
     with pytest.raises(ValueError, match="read-only"):
         operator.attrgetter(array)(scene)[...] = 0.0
     assert la_core.solve(scene, bounds_only=True).least == la_core.solve("two_pads", bounds_only=True).least
+
+
+COPIES = {"made": lambda scene: scene, "copied": copy.deepcopy, "unpickled": lambda scene: pickle.loads(pickle.dumps(scene))}
+
+
+@pytest.mark.parametrize("same", COPIES.values(), ids=COPIES)
+def test_a_copy_of_a_scene_cannot_be_changed_behind_its_text_either(same: Callable[[la_core.Scene], la_core.Scene]) -> None:
+    """Worker processes get their scenes unpickled."""
+    scene = same(la_core.variant("two_pads", {"yade.stiffening": 2.0}))
+    with pytest.raises(TypeError, match="does not support item assignment"):
+        scene.yade["stiffening"] = 1.0  # type: ignore[index]
+    for array in (scene.gravity, scene.blocks.vertices, scene.loads.force):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+    assert scene.yade == {"stiffening": 2.0}

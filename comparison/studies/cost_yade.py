@@ -40,7 +40,7 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
     base = shared_inset(scene)  # the smallest inset for YADE where the scene has none
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> MethodOutcome:
-        requested = scene.yade | ({setting: factor * derived[setting]} if setting else {})
+        requested = dict(scene.yade) | ({setting: factor * derived[setting]} if setting else {})
         outcome, settings = run_once(scene, base * inset, requested, yade, folder / name.replace(" ", "_"), progress)
         if not setting and inset == 1.0:
             derived.update(settings)

@@ -1,7 +1,7 @@
 """Blocks, the interfaces at which they touch, and the contact points there."""
 
 from la_core.geometry import shapes
-from la_core.geometry.blocks import ROLES, Blocks, hold_arrays
+from la_core.geometry.blocks import ROLES, Blocks, Held
 from la_core.geometry.edge_contacts import edge_contacts
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons, opposite_faces
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
@@ -16,6 +16,7 @@ __all__ = [
     "SLIVER",
     "Blocks",
     "ContactPoints",
+    "Held",
     "Interfaces",
     "MissedJoints",
     "Shape",
@@ -29,7 +30,6 @@ __all__ = [
     "face_polygons",
     "find_interfaces",
     "gaps",
-    "hold_arrays",
     "loft",
     "missed_joints",
     "near_pairs",

@@ -1,8 +1,10 @@
 """Blocks as flat arrays: vertices, faces, and their mass properties."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass
 from functools import cached_property
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -168,6 +170,27 @@ class Blocks:
         return np.maximum.reduceat(self.vertices, self.vertex_start[:-1])
 
 
+class Held:
+    """Base of a frozen dataclass that nobody changes in place either: its arrays and tables, and arrays of records in it, are read-only.
+
+    So they are in copies, and in what another process unpickles.
+    """
+
+    def __post_init__(self) -> None:
+        records = [self, *(value for value in vars(self).values() if is_dataclass(value))]
+        for array in (value for record in records for value in vars(record).values() if isinstance(value, np.ndarray)):
+            array.setflags(write=False)
+        for name, table in [(name, value) for name, value in vars(self).items() if isinstance(value, dict)]:
+            object.__setattr__(self, name, MappingProxyType(dict(table)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: dict(value) if isinstance(value, MappingProxyType) else value for name, value in vars(self).items()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
+
+
 def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fan triangulation of every face: vertex indices (T, 3) and the face of each triangle (T,)."""
     counts = np.diff(face_start) - 2
@@ -175,14 +198,6 @@ def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndar
     place = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
     first = face_start[face]
     return face_vertex[np.stack([first, first + place, first + place + 1], axis=1)], face
-
-
-def hold_arrays(*records: object) -> None:
-    """Make the arrays among the attributes of records read-only."""
-    for record in records:
-        for value in vars(record).values():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
 
 
 def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

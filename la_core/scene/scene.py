@@ -1,6 +1,6 @@
 """From a TOML file to a `Scene`, with every check that needs no solver."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ import numpy as np
 import pydantic
 
 from la_core.errors import SceneError, visible
-from la_core.geometry import ROLES, Blocks, hold_arrays, shapes
+from la_core.geometry import ROLES, Blocks, Held, shapes
 from la_core.pictures import picture
 from la_core.repair import Repairs
 from la_core.scene import reading
@@ -32,7 +32,7 @@ from la_core.text_table import Tabled, number_text
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Scene(Tabled):
+class Scene(Tabled, Held):
     """Validated scene: blocks, joint law, support motion or live load, requested effects and expected values.
 
     Units are SI; the axis z points up. `load`, `build` and `variant` make scenes; arrays are read-only. `print(scene)` shows a
@@ -70,7 +70,7 @@ class Scene(Tabled):
         Settlement and increments of the requested equilibrium path. None without a [path] table.
     expected : Expected or None
         Expected values for sharp edges. None without an [expected] table.
-    yade : dict of str to float
+    yade : mapping of str to float
         YADE settings that replace the derived ones, by name.
     meshes : tuple of MeshFile
         Files of the [[mesh]] and [[drawing]] tables with their contents.
@@ -119,7 +119,7 @@ class Scene(Tabled):
     effects: scene_file.RequestedEffects
     path_asked: scene_file.RequestedPath | None
     expected: scene_file.Expected | None
-    yade: dict[str, Any]
+    yade: Mapping[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
     effort: str = "normal"
@@ -135,9 +135,6 @@ class Scene(Tabled):
     joint_classes: tuple[JointFriction, ...] = ()
     load_names: tuple[str, ...] = ()
     tilt: np.ndarray | None = None
-
-    def __post_init__(self) -> None:
-        hold_arrays(self, self.blocks, self.loads, *([self.ties] if self.ties else []))  # so that `text` stays true
 
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
