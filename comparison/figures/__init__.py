@@ -7,7 +7,7 @@ from comparison.figures.drawing_order import OuterFaces
 from comparison.figures.motion import Motion, Motions, motions
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import report_figures, scene_figures
-from comparison.figures.save import rendered, save
+from comparison.figures.save import own_style, rendered, save
 from comparison.figures.structure import ROLE_NAME, assembly_figure, push_arrow, push_name
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "canvas",
     "method_colour",
     "motions",
+    "own_style",
     "push_arrow",
     "push_name",
     "reaction_figure",

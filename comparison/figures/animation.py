@@ -15,6 +15,7 @@ from PIL import Image
 from comparison.figures.canvas import FAINT, YADE, Canvas, canvases, method_colour, tint, window
 from comparison.figures.motion import Motion, motions
 from comparison.figures.reaction import draw_levels
+from comparison.figures.save import own_style
 from comparison.figures.structure import TITLE_WIDTH, legend_below, looks, wrapped
 from comparison.numbers import format_number
 from comparison.run_folder import require_folder_of
@@ -37,6 +38,7 @@ SLOW = 2.0  # power of the time: the settlement starts slowly, because the react
 class Story:
     """The figure of an animation, and the parts of it that change from frame to frame."""
 
+    @own_style()
     def __init__(self, results: Results) -> None:
         """Draw everything that does not change; raises SceneError where nothing moves."""
         scene, analysis, run = results.scene, results.analysis, results.run
@@ -140,6 +142,7 @@ def require_place(path: Path) -> None:
         )
 
 
+@own_style()
 def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int, int], None]) -> int:
     """Write a GIF, or an MP4 by ffmpeg, and return its number of frames.
 

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
+from comparison.figures.save import own_style
 from comparison.figures.structure import legend_below
 from comparison.numbers import force_unit
 from la_core.geometry import next_corners, owners
@@ -35,6 +36,7 @@ STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size 
 }
 
 
+@own_style()
 def dissipation_figure(
     assembly: Assembly, twists: np.ndarray, measures: MechanismMeasures, title: str = "", push: str = "live load"
 ) -> Figure:

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison.figures.canvas import INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size
+from comparison.figures.save import own_style
 from comparison.figures.structure import blank_figure, legend_below
 from comparison.numbers import force_unit, plain_number, round_below
 from la_core.measures import joint_forces, thrust_line
@@ -21,6 +22,7 @@ IN_SIGHT = 0.5  # of the joints that bear a force: where blocks hide more, the f
 FORCE, THRUST = "#a3181f", "#0b6e4f"
 
 
+@own_style()
 def forces_figure(assembly: Assembly, forces: Mapping[str, np.ndarray], title: str = "") -> Figure:
     """Draw the resultant force of every joint, side by side for each method, with a scale.
 

@@ -1,9 +1,7 @@
 """Figure of the reaction against the settlement.
 
-YADE has its record and plateau; limit analysis has its bounds, its prediction with curve and interval, and a path.
-
-Under a live load the figure shows the load's multiplier against the displacement along the load. Of a tilt the multiplier is the
-tangent of the angle, and a second axis gives the angle.
+YADE has its record and plateau; limit analysis its bounds, its prediction with curve and interval, and a path. Under a live load
+the figure has its multiplier against the displacement along it; of a tilt this is the tangent of the angle, which a second axis gives.
 """
 
 from collections.abc import Iterator
@@ -30,6 +28,7 @@ from comparison.figures.reaction_levels import (
     scales_of,
     whole_limits,
 )
+from comparison.figures.save import own_style
 from comparison.figures.structure import legend_below
 from comparison.judge import compare_curves
 from comparison.numbers import format_number, several_plateaus, with_uncertainty
@@ -53,6 +52,7 @@ APART = "largest difference of the curves"
 FITTED = "YADE, fitted plateau"
 
 
+@own_style()
 def reaction_figure(results: Results) -> Figure:
     """Draw the whole curve from rest on the left, and the plateau close up on the right.
 

@@ -1,12 +1,13 @@
-"""A figure as a file: PNG, SVG or PDF, with the same bytes for the same figure."""
+"""A figure as a file: PNG, SVG or PDF, with the same bytes for the same figure, whatever style the user has set in matplotlib."""
 
 import io
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParamsDefault
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -14,6 +15,16 @@ from la_core.exchange import write_whole
 
 DPI = 130  # of a PNG
 SALT = "crosscheck"  # of the names of parts of an SVG, which would be random
+STYLE = {name: value for name, value in rcParamsDefault.items() if not name.startswith(("backend", "interactive"))} | {"svg.hashsalt": SALT}
+
+_ONE_STYLE = threading.RLock()  # the style is one for all threads: the last of several to end would put back that of another
+
+
+@contextmanager
+def own_style() -> Iterator[None]:
+    """Draw in matplotlib's own style within, and put back the user's: a report is the same everywhere, and needs no LaTeX."""
+    with _ONE_STYLE, rc_context(STYLE):
+        yield
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -24,7 +35,7 @@ def save(figure: Figure, path: Path) -> None:
 def rendered(figure: Figure, suffix: str) -> bytes:
     """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf". The figure stays as it was."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with warnings.catch_warnings(), rc_context({"svg.hashsalt": SALT}), _unmoved(figure):
+    with warnings.catch_warnings(), own_style(), _unmoved(figure):
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
         if suffix == ".png":  # savefig draws twice; one drawing finds the same layout, unless a title has several lines

@@ -32,6 +32,7 @@ from comparison.figures.canvas import (
     window,
 )
 from comparison.figures.motion import DRAWN, drawn_motion
+from comparison.figures.save import own_style
 from comparison.numbers import format_number, plain_number
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.measures import ContactState, joint_centres, mechanism
@@ -50,6 +51,7 @@ SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides", SLIDES)}  # joints that are marked in a mechanism
 
 
+@own_style()
 def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, spots: Sequence[Sequence[float]] = ()) -> Figure:
     """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load.
 
@@ -89,6 +91,7 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     return figure
 
 
+@own_style()
 def mechanism_figure(
     assembly: Assembly,
     mechanisms: Mapping[str, np.ndarray],

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from comparison.figures import FAINT, INK, method_colour
+from comparison.figures import FAINT, INK, method_colour, own_style
 from comparison.studies.cost import LEAST_ERROR, CostPoint, CostStudy, front
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION
 
@@ -21,6 +21,7 @@ SHORTEST, MARGIN = 3.2, 2.0  # half of a panel's range of times, as a factor, an
 PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, friction without dilatancy"}
 
 
+@own_style()
 def cost_figure(ladder: CostStudy) -> Figure:
     """Draw every rung as a mark of its method, a thin line from there to the uncertainty that it states, and the Pareto fronts as lines.
 

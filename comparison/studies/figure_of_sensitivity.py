@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from comparison.figures import FAINT, INK, LIMIT_ANALYSIS
+from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, own_style
 from comparison.studies.sensitivity import Sensitivity, Trial
 from la_core.limit import Status
 
@@ -20,6 +20,7 @@ LIGHTEST = 0.55  # share of white in the colour of the largest slope
 DODGE = 0.12  # of the step between relaxations: lines that coincide stay apart
 
 
+@own_style()
 def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float, int | None]] | None = None) -> Figure:
     """Draw the reaction over the weight, or the multiplier, on the left and the number of programmes on the right.
 

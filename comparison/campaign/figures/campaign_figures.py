@@ -11,7 +11,7 @@ from comparison.campaign.figures import case_costs, classic, lines, maps, predic
 from comparison.campaign.parameter_labels import CLASSIC, short
 from comparison.campaign.row_groups import sweeps_of
 from comparison.campaign.table import CampaignTable
-from comparison.figures import save
+from comparison.figures import own_style, save
 
 FOLDER = "figures"
 KINDS = ("prediction", "reaction", "map", "participation", "classic", "costs")
@@ -52,6 +52,7 @@ class Drawing:
     content: bytes
 
 
+@own_style()
 def draw_campaign(table: CampaignTable) -> list[Drawing]:
     """Draw and store the campaign's figures, and delete those of an earlier report, but no other file.
 

@@ -1,0 +1,79 @@
+"""The style that a user has set in matplotlib, in Python or in a matplotlibrc, neither changes the program's figures nor is changed."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import matplotlib
+import pytest
+
+import comparison
+import la_core
+from comparison.figures import rendered
+
+USERS = {"text.usetex": True, "font.size": 22.0, "axes.facecolor": "yellow", "savefig.facecolor": "red", "figure.dpi": 40.0}
+SWEEP = '[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.3, 0.6] }\n'
+
+
+@pytest.fixture(scope="module")
+def answer() -> la_core.Answer:
+    return la_core.solve("two_pads")
+
+
+@pytest.fixture(scope="module")
+def study() -> comparison.SensitivityResult:
+    return comparison.sensitivity("two_pads", quiet=True)
+
+
+@pytest.fixture(scope="module")
+def cost() -> comparison.CostResult:
+    return comparison.cost("two_pads", yade=False, quiet=True)
+
+
+def drawn(draw: Callable[[], comparison.Picture]) -> list[bytes]:
+    picture = draw()
+    return [rendered(picture.figure, suffix) for suffix in (".png", ".svg", ".pdf")]
+
+
+def is_the_same_in_a_users_style(make: Callable[[], object]) -> bool:
+    """Whether the program makes the same in its own style and in a user's; with that of the user's style, which stays."""
+    ours = make()
+    with matplotlib.rc_context(USERS):
+        before = dict(matplotlib.rcParams)
+        theirs = make()
+        return theirs == ours and dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize("name", ["assembly", "mechanisms", "reaction", "forces", "dissipation"])
+def test_figures_of_an_answer_have_their_own_style(name: str, answer: la_core.Answer) -> None:
+    assert is_the_same_in_a_users_style(lambda: drawn(lambda: answer.plot(name)))
+
+
+def test_figures_of_a_scene_and_of_studies_have_their_own_style(
+    answer: la_core.Answer, study: comparison.SensitivityResult, cost: comparison.CostResult
+) -> None:
+    for draw in (answer.scene.draw, study.plot, cost.plot):
+        assert is_the_same_in_a_users_style(lambda draw=draw: drawn(draw))
+
+
+def test_an_animation_has_its_own_style(answer: la_core.Answer, tmp_path: Path) -> None:
+    assert is_the_same_in_a_users_style(lambda: comparison.animate(answer, tmp_path / "moves.gif", fps=1, quiet=True).read_bytes())
+
+
+def test_figures_of_a_campaign_have_their_own_style(tmp_path: Path) -> None:
+    (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
+    folders = iter(("ours", "theirs"))
+
+    def figures() -> dict[str, bytes]:
+        folder = comparison.run_campaign(tmp_path / "sweep.toml", tmp_path / next(folders), yade=False, workers=1, quiet=True).folder
+        return {path.name: path.read_bytes() for path in folder.rglob("*.png") if not path.name.startswith("costs")}  # which are seconds
+
+    assert is_the_same_in_a_users_style(figures)
+
+
+def test_figures_drawn_in_several_threads_leave_the_users_style(answer: la_core.Answer) -> None:
+    with matplotlib.rc_context({"font.size": 22.0}):
+        before = dict(matplotlib.rcParams)
+        with ThreadPoolExecutor(4) as threads:
+            figures = list(threads.map(lambda number: rendered(answer.plot("assembly").figure, ".png"), range(12)))
+        assert dict(matplotlib.rcParams) == before and len(set(figures)) == 1
