@@ -111,4 +111,12 @@ class StderrConsole(Console):
     def __init__(self, quiet: bool = False, has_bars: bool = True) -> None:
         as_terminal = None if has_bars else False
         stream: Any = _LossyStderr()
-        super().__init__(file=stream, quiet=quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=as_terminal)
+        super().__init__(
+            file=stream,
+            quiet=quiet,
+            highlight=False,
+            emoji=False,
+            soft_wrap=True,
+            force_terminal=as_terminal,
+            force_jupyter=False,  # a notebook shows standard error, too; Rich would put its words among the results
+        )

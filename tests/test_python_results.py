@@ -201,6 +201,16 @@ def test_work_goes_on_where_standard_error_takes_no_words(
     assert len(comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "cases", yade=False, workers=1).rows) == 1
 
 
+def test_a_notebook_shows_the_narration_as_standard_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Rich knows a notebook by the class of its shell."""
+    notebook = type("ZMQInteractiveShell", (), {})()
+    monkeypatch.setattr("builtins.get_ipython", lambda: notebook, raising=False)
+    comparison.run("two_pads", tmp_path, yade=False)
+    assert "two_pads: limit analysis: bounds" in capsys.readouterr().err
+
+
 def test_results_are_exported_from_python(tmp_path: Path) -> None:
     files = comparison.export(la_core.solve(la_core.load("two_pads")), tmp_path / "paraview")
     assert files == [tmp_path / "paraview" / "structure.pvd"] and all(path.is_file() for path in files)
