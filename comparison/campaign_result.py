@@ -47,7 +47,7 @@ class CampaignResult(Tabled):
     Attributes
     ----------
     folder : Path
-        Folder of the results: report.html, results.csv, and one folder for each case.
+        Folder of the results, as an absolute path: report.html, results.csv, and one folder for each case.
     title : str
         Title of the campaign.
     rows : list of dict
@@ -243,7 +243,7 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
 
 
 def _result_of(table: CampaignTable) -> CampaignResult:
-    return CampaignResult(table.folder, table.title, table.rows, table.unfinished)
+    return CampaignResult(table.folder.absolute(), table.title, table.rows, table.unfinished)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:

@@ -32,7 +32,7 @@ class Result(Tabled):
     Attributes
     ----------
     folder : Path
-        Folder of the scene's results.
+        Folder of the scene's results, as an absolute path.
     summary : dict of str to Any
         Content of comparison.json.
     answer : Answer
@@ -296,4 +296,4 @@ def _results_of(what: Answer | Result) -> Results:
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:
     results = read_results(folder, interfaces)
-    return Result(folder, summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)
+    return Result(folder.absolute(), summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)

@@ -1,10 +1,8 @@
 """Runs, campaigns, studies, exports and animations are made, read, shown and refused from Python."""
 
 import dataclasses
-import io
 import math
 import os
-import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -172,43 +170,6 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
     assert list(unchanged.to_dataframe().columns) == ["case", "what", "before", "after", "difference", "allowed"]
     with pytest.raises(la_core.SceneError, match="workers"):
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
-
-
-class _Broken:
-    """A stream as a window that has been closed has it: every word fails in its own way."""
-
-    def write(self, text: str) -> int:
-        raise RuntimeError("the window is closed")
-
-
-def closed_stream() -> io.StringIO:
-    stream = io.StringIO()
-    stream.close()
-    return stream
-
-
-LOST = {"none": lambda: None, "closed": closed_stream, "broken": _Broken}
-
-
-@pytest.mark.parametrize("stderr", LOST.values(), ids=LOST)
-def test_work_goes_on_where_standard_error_takes_no_words(
-    stderr: Callable[[], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """A notebook whose window has gone, or a service without one, must not lose a campaign of hours."""
-    (tmp_path / "friction.toml").write_text('[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.6] }\n', encoding="utf-8")
-    monkeypatch.setattr(sys, "stderr", stderr())
-    assert comparison.run("two_pads", tmp_path / "runs", yade=False).verdict is comparison.Verdict.EXPECTED_MET
-    assert len(comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "cases", yade=False, workers=1).rows) == 1
-
-
-def test_a_notebook_shows_the_narration_as_standard_error(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Rich knows a notebook by the class of its shell."""
-    notebook = type("ZMQInteractiveShell", (), {})()
-    monkeypatch.setattr("builtins.get_ipython", lambda: notebook, raising=False)
-    comparison.run("two_pads", tmp_path, yade=False)
-    assert "two_pads: limit analysis: bounds" in capsys.readouterr().err
 
 
 def test_results_are_exported_from_python(tmp_path: Path) -> None:
