@@ -87,6 +87,9 @@ def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = No
         return Picture(assembly_figure(scene, decided_model(scene).assembly))
     if not isinstance(run, Run | None):
         raise SceneError("run", "must be YADE's record, such as result.yade, or None", value=type(run).__name__)
+    assembly = what.analysis.assembly
+    if run is not None and run.poses.forces.shape[1:] != assembly.points.position.shape:
+        raise SceneError("run", "must be the record of the answer's scene", hint="take the answer and the record of one result")
     drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
     if chosen not in drawings:
         raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(str(chosen), drawings, "figures"))

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from figure_scenes import synthetic_run
 from PIL import Image
 
 import comparison
@@ -128,6 +129,12 @@ def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -
     with pytest.raises(la_core.SceneError, match="run = 'str': must be YADE's record"):
         comparison.draw(la_core.solve("two_pads", bounds_only=True), run="results/two_pads/run.h5")  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_record_of_another_scene_is_not_drawn_beside_an_answer() -> None:
+    other = synthetic_run(la_core.solve("two_pads").analysis)
+    with pytest.raises(la_core.SceneError, match="run: must be the record of the answer's scene; take the answer"):
+        comparison.draw(la_core.solve("trilith"), "mechanisms", other)
 
 
 def test_a_folder_is_no_file_of_a_figure_or_an_animation_and_no_scene(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import pickle
 import re
 import tomllib
 from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -87,6 +88,8 @@ def test_an_entry_of_an_array_cannot_be_deleted() -> None:
 def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
         la_core.build({"joint": {"friction": None}})
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction: a Decimal has no place in a scene; give a number"):
+        la_core.build({"joint": {"friction": Decimal("0.6")}})
 
 
 def test_a_variant_keeps_what_its_changes_leave_true() -> None:

@@ -201,4 +201,5 @@ def _plain(value: Any, key: str) -> Any:
         return value
     if isinstance(value, Sequence):
         return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value)]
-    raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint="leave out a key that has no value")
+    hint = "leave out a key that has no value" if value is None else "give a number, a text, true or false, an array or a table"
+    raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint=hint)
