@@ -1,7 +1,7 @@
 """What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
-from comparison.report.facts import structure_facts
+from comparison.report.facts import stone_density, structure_facts
 from comparison.report.paraview import export_results
 from comparison.report.pdf import write_pdf
 from comparison.report.plain_words import angle_words, predicted_value
@@ -14,6 +14,7 @@ __all__ = [
     "export_results",
     "flat",
     "predicted_value",
+    "stone_density",
     "stored_report",
     "structure_facts",
     "template_environment",

@@ -10,7 +10,7 @@ from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.measures import ContactState, mechanism, thrust_line
-from la_core.scene import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
+from la_core.scene import Scene, classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 
 MOST_NAMES = 12  # blocks or joints that a report names
 
@@ -35,7 +35,8 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "friction": np.unique(analysis.whole.points.friction).tolist(),
         "inset": scene.inset,
         "inset_of_both": analysis.assembly.inset,
-        "densities": list(_densities(blocks)),
+        "densities": list(_densities(stone_density(scene)[blocks.free])),
+        "floor_mass": None if scene.floor_mass is None else float(scene.floor_mass.sum()),
         "blocks": roles,
         "size": (high - low).tolist(),
         "block_size": {"least": extent.min(axis=0).tolist(), "greatest": extent.max(axis=0).tolist()},
@@ -53,9 +54,15 @@ def structure_facts(results: Results) -> dict[str, Any]:
     return facts | _mechanism_facts(results)
 
 
-def _densities(blocks: Blocks) -> Iterator[dict[str, Any]]:
-    """Yield each density of free blocks, kg/m3, with the number of blocks that have it, the most frequent first."""
-    values, counts = np.unique(np.round(blocks.density[blocks.free], 9), return_counts=True)
+def stone_density(scene: Scene) -> np.ndarray:
+    """Return the density (B,) of each block without the floors that it carries, kg/m3; NaN for a held block without density."""
+    blocks = scene.blocks
+    return blocks.density - (0.0 if scene.floor_mass is None else scene.floor_mass / blocks.volume)
+
+
+def _densities(density: np.ndarray) -> Iterator[dict[str, Any]]:
+    """Yield each density (n,) of blocks, kg/m3, with the number of blocks that have it, the most frequent first."""
+    values, counts = np.unique(np.round(density, 6), return_counts=True)
     for k in np.argsort(-counts, kind="stable"):
         yield {"density": float(values[k]), "blocks": int(counts[k])}
 

@@ -69,6 +69,8 @@ def _materials(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
     densities = facts["densities"]
     each = (f"{_given(row['density'])} kg/m3" + (f" ({plural(row['blocks'], 'block')})" if len(densities) > 1 else "") for row in densities)
     yield "density", ", ".join(each)
+    if exists(facts.get("floor_mass")):
+        yield "mass of floors on the blocks", f"{_given(facts['floor_mass'])} kg"
     gravity = np.array(facts["gravity"])
     down = "downwards (−z)" if gravity[2] < 0.0 and not np.any(gravity[:2]) else f"along {_vector(gravity)}"
     yield "gravity", f"{_given(float(np.linalg.norm(gravity)))} m/s2 {down}"

@@ -22,7 +22,7 @@ from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.support_motion import faults_of_settlement, own_twists, support_twists
 from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
-from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
+from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, gathered, repaired
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.loads import JointFriction
 from la_core.scene.schema.motion import support_twist, unit_vector
@@ -102,6 +102,8 @@ class Scene(Tabled, Held):
         Name of each [[load]] table.
     tilt : ndarray, shape (3,), or None
         Unit axis about which the ground tilts, right-handed. None without a tilt.
+    floor_mass : ndarray, shape (B,), or None
+        Mass of a building's floors on each block, a part of its mass, kg. None without a floor.
     """
 
     name: str
@@ -135,6 +137,7 @@ class Scene(Tabled, Held):
     joint_classes: tuple[JointFriction, ...] = ()
     load_names: tuple[str, ...] = ()
     tilt: np.ndarray | None = None
+    floor_mass: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
@@ -250,8 +253,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     except SceneError as error:
         raise with_lines(error, counted, names, tables.places) from error
     stones = densities(named, file)
-    loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
-    blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named], [one.groups for one in named])
+    blocks, floor_mass = gathered(named, stones)
     gravity = np.array(file.gravity)
     tilt = unit_vector(file.tilt.axis) if file.tilt else None
     if faults := [*faults_of_loads(file, blocks), *faults_of_settlement(file, blocks)]:
@@ -294,4 +296,5 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         joint_classes=file.friction,
         load_names=names_of_loads,
         tilt=tilt,
+        floor_mass=floor_mass,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from la_core.drawing import straightened
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS, broken_rule
-from la_core.geometry import ROLES, shapes
+from la_core.geometry import ROLES, Blocks, shapes
 from la_core.repair import Repairs, close_joints
 from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing
@@ -142,6 +142,18 @@ def densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float
     """Density of every block without what it carries, kg/m3; None for a block without one."""
     stone = file.stone.density if file.stone else None
     return [one.density if one.density is not None else stone for one in named]
+
+
+def gathered(named: list[NamedShape], stones: list[float | None]) -> tuple[Blocks, np.ndarray | None]:
+    """The blocks with all that they carry, and the mass of a building's floors on each (B,), kg; None without floors.
+
+    stones: density of every block without what it carries, kg/m3.
+    """
+    added = np.array([one.added_density for one in named])
+    loaded = np.array([np.nan if stone is None else stone for stone in stones]) + added
+    shapes_of, groups = [one.shape for one in named], [one.groups for one in named]
+    blocks = Blocks.gather([one.name for one in named], [one.role for one in named], loaded, shapes_of, groups)
+    return blocks, added * blocks.volume if added.any() else None
 
 
 def repaired(named: list[NamedShape], file: scene_file.SceneFile) -> tuple[list[NamedShape], Repairs | None]:

@@ -26,10 +26,22 @@ def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.Capture
     assert all(name in printed for name in ("two_pads", "facade", "wall_third"))
 
 
+def test_the_mass_of_floors_is_no_density_of_stone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Both a table and a report gave the blocks under a roof of 380 kg a stone of 4500 kg/m3."""
+    scene, results = tmp_path / "building.toml", tmp_path / "results"
+    assert main(["new", "building", "-o", str(scene)]) == 0 and main(["show", str(scene), "-o", str(tmp_path / "a.png")]) == 0
+    printed = capsys.readouterr().out
+    assert "2000 " in printed and "4500" not in printed and "mass of floors on the blocks   380 " in printed
+    assert main(["run", str(scene), "--no-yade", "-q", "-o", str(results)]) == 0
+    report = (results / "report.md").read_text(encoding="utf-8")
+    assert "| density | 2000 kg/m3 |" in report and "| mass of floors on the blocks | 380 kg |" in report
+
+
 def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show", "two_pads", "-o", str(tmp_path / "a.png"), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["dimensions"] == pytest.approx([1.0, 0.2, 0.5]) and facts["densities"] == [2200.0]
+    assert facts["floor_mass"] is None
     assert set(facts["estimated_seconds"]) == {"limit_analysis", "yade"}
     assert main(["show", "ferris_tin_loi_1", "-q", "-o", str(tmp_path / "a.png")]) == 0
     printed = capsys.readouterr().out

@@ -12,6 +12,7 @@ from comparison.cli.exit_codes import AGREE
 from comparison.figures import assembly_figure, save
 from comparison.judge import effects_summary
 from comparison.numbers import class_words, plural
+from comparison.report import stone_density
 from comparison.studies import TimeEstimate, estimated_times
 from la_core.analysis import DecidedModel, decided_model
 from la_core.errors import SceneError
@@ -59,7 +60,7 @@ def execute(context: Context) -> int:
 
 
 def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
-    """Return counts, dimensions (m), densities (kg/m3), weight (N) and effects of a scene, and estimates of both methods' times (s)."""
+    """Return counts, dimensions (m), densities (kg/m3), mass of floors (kg), weight (N), effects, and times of both methods (s)."""
     assembly, blocks = decided.assembly, scene.blocks
     roles = {name: int((blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
     facts: dict[str, Any] = {"scene": scene.name, "warnings": list(scene.warnings), "weight": scene.weight}
@@ -67,7 +68,8 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
     facts["dimensions"] = (blocks.high[blocks.free].max(axis=0) - blocks.low[blocks.free].min(axis=0)).tolist()
-    facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
+    facts["densities"] = np.unique(np.round(stone_density(scene)[blocks.free], 6)).tolist()
+    facts["floor_mass"] = None if scene.floor_mass is None else float(scene.floor_mass.sum())
     counts = joints_per_class(scene.joint_classes, blocks, decided.whole.interfaces)
     facts["joint_classes"] = [one | {"interfaces": n} for one, n in zip(classes_as_dicts(scene.joint_classes), counts, strict=True)]
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
@@ -86,6 +88,8 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     table.add_row("scene", tables.plain(facts["scene"]), "")
     table.add_row("dimensions (x, y, z)", " × ".join(number_text(length, 4) for length in facts["dimensions"]), "m")
     table.add_row("density", _several(facts["densities"]), "kg/m3")
+    if facts["floor_mass"] is not None:
+        table.add_row("mass of floors on the blocks", number_text(facts["floor_mass"]), "kg")
     for name in FACTS:
         value = facts[name]
         table.add_row(name.replace("_", " "), number_text(value) if isinstance(value, float) else str(value), units.get(name, ""))
