@@ -72,6 +72,34 @@ def test_every_package_and_every_file_beside_its_code_is_declared() -> None:
     assert files - code <= declared
 
 
+def lowest_versions() -> list[str]:
+    """Every dependency of the program and of its extras in the lowest version that is declared, with what runs the tests."""
+    project = PROJECT["project"]
+    extras = (line for extra, lines in project["optional-dependencies"].items() if not extra.startswith("peers") for line in lines)
+    bounds = [re.match(r"([\w-]+)>=([\d.]+)", line) for line in (*project["dependencies"], *extras)]
+    return [f"{bound[1]}=={bound[2]}" for bound in bounds if bound]
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the lowest versions have wheels for the lowest Python")
+def test_the_lowest_declared_versions_carry_the_program(tmp_path: Path) -> None:
+    """pip installs the newest versions, so that nothing else tries a lower bound; a user may have older ones."""
+    python = tmp_path / "lowest" / "bin" / "python"
+    subprocess.run([sys.executable, "-m", "venv", tmp_path / "lowest"], check=True)
+    subprocess.run([python, "-m", "pip", "install", "-q", "--only-binary", ":all:", *lowest_versions()], check=True)
+    tests = [
+        "inputs",
+        "cli/test_security.py",
+        "cli/test_words.py",
+        "cli/test_json.py",
+        "comparison/test_export.py",
+        "test_python_results.py",
+    ]
+    command = [python, "-m", "pytest", "-n", "1", "-m", "not slow and not long", *(ROOT / "tests" / name for name in tests)]
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stdout
+
+
 @pytest.mark.long
 def test_a_release_holds_the_program_alone_and_runs_where_it_is_installed(tmp_path: Path) -> None:
     """Built as `make release` does (which fetches setuptools), installed outside of the checkout, run through both methods."""

@@ -163,7 +163,8 @@ def _support_work(run: Run, stored: np.ndarray) -> float:
     settlement, reaction = _series(run, "reaction")
     start, end = stored[[0, -1]]
     stations = np.concatenate([[start], settlement[(settlement > start) & (settlement < end)], [end]])
-    return -float(np.trapezoid(np.interp(stations, settlement, reaction), stations))
+    force = np.interp(stations, settlement, reaction)
+    return -0.5 * float(np.diff(stations) @ (force[:-1] + force[1:]))  # numpy.trapezoid needs NumPy 2
 
 
 def _dissipated(assembly: Assembly, forces: np.ndarray, poses: np.ndarray) -> np.ndarray:
