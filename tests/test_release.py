@@ -103,7 +103,9 @@ def test_the_lowest_declared_versions_carry_the_program(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_a_release_holds_the_program_alone_and_runs_where_it_is_installed(tmp_path: Path) -> None:
     """Built as `make release` does (which fetches setuptools), installed outside of the checkout, run through both methods."""
-    subprocess.run([sys.executable, "-m", "build", "--outdir", tmp_path, ROOT], check=True, capture_output=True)
+    build = [sys.executable, "-m", "build", "--outdir", str(tmp_path), str(ROOT)]
+    built = subprocess.run(build, check=True, capture_output=True, text=True)
+    assert "is absent from the `packages` configuration" not in built.stdout + built.stderr
     (wheel,), (source,) = tmp_path.glob("*.whl"), tmp_path.glob("*.tar.gz")
     assert all(VERSION in archive.name for archive in (wheel, source))
     with zipfile.ZipFile(wheel) as archive:
