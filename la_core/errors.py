@@ -5,6 +5,8 @@ import math
 import numbers
 import os
 import re
+import shlex
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Self
@@ -98,6 +100,18 @@ def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
         return f'did you mean "{near[0]}"?'
     listed = choices if len(choices) <= MOST_LISTED else [*choices[:FEW_LISTED], f"... ({len(choices)} in all)"]
     return f"valid {kind}: {', '.join(listed)}"
+
+
+def extra_hint(extra: str, package: str) -> str:
+    """A next step for an optional package that is missing: the extra that has it, and the command that installs it."""
+    return f'install the extra "{extra}": {how_to_install(package)}'
+
+
+def how_to_install(package: str) -> str:
+    """The command that installs a package beside this program: `pip` alone may be that of another Python."""
+    if (Path(sys.prefix) / "pipx_metadata.json").is_file():
+        return f"pipx inject crosscheck-masonry {package}"
+    return f"{shlex.quote(sys.executable)} -m pip install {package}"
 
 
 def missing_part(error: ImportError) -> str:

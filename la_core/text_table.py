@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any, TypeGuard
 
-from la_core.errors import SceneError
+from la_core.errors import SceneError, extra_hint
 
 ROUND_OFF = 1e-7  # of the weight: a smaller reaction is zero but for the residuals of the solver, of which 1e-6 are accepted
 PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
@@ -74,9 +74,7 @@ def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = No
     try:
         pandas = import_module("pandas")
     except ImportError as error:
-        raise SceneError(
-            "to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas": pip install pandas'
-        ) from error
+        raise SceneError("to_dataframe", "needs pandas, which is not installed", hint=extra_hint("pandas", "pandas")) from error
     table = pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
     undefined = [name for name in table if len(table) and table[name].isna().all()]  # without a number pandas leaves None as it is
     return table.astype(dict.fromkeys(undefined, float))

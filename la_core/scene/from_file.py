@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 
 from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
-from la_core.errors import SceneError
-from la_core.scene.generators.drawings import INSTALL_DRAWING, nothing_found
+from la_core.errors import SceneError, extra_hint
+from la_core.scene.generators.drawings import nothing_found
 from la_core.scene.generators.mesh import mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
@@ -98,7 +98,7 @@ def scene_from_file(source: Path, folder: Path) -> str:
 def _drawing_text(source: Path, place: PurePosixPath) -> str:
     content = _content(source)
     if source.suffix.lower() == ".dxf" and importlib.util.find_spec("ezdxf") is None:
-        raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
+        raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
     try:
         unit, said = _unit(source.suffix, content)
         drawn = read_outlines(source.suffix, content, UNITS.get(unit), CURVE)

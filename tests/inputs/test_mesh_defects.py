@@ -1,5 +1,7 @@
 """Defects of imported bodies and their files are named, and nothing outside of the scene's folder is read."""
 
+import shlex
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -176,8 +178,10 @@ def test_a_file_with_damaged_bytes_is_read_or_refused_and_nothing_else(write: Ca
 def test_a_missing_reader_is_named_with_the_extra_and_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = as_stl_folder(tmp_path)
     monkeypatch.setattr(mesh.importlib.util, "find_spec", lambda name: None)
-    message = refusal(path)
-    assert 'install the extra "mesh"' in message and "pip install" in message
+    assert f'install the extra "mesh": {shlex.quote(sys.executable)} -m pip install trimesh' in refusal(path)
+    (tmp_path / "pipx_metadata.json").touch()  # pipx keeps it in the environment of a program, which has no pip of its own
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert 'install the extra "mesh": pipx inject crosscheck-masonry trimesh' in refusal(path)
 
 
 ESCAPES = {

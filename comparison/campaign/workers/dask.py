@@ -23,11 +23,10 @@ from comparison.run_folder import LOCK, write_text
 from comparison.workflow import StoppedError
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
-from la_core.errors import SceneError
+from la_core.errors import SceneError, extra_hint
 
 CALL = ".call"  # token of the process that runs the campaign
 PATIENCE = 10.0  # s to wait for the scheduler, and for a first worker
-INSTALL = 'install the extra "dask": pip install --editable ".[dask]" in the project\'s folder, or pip install distributed'
 
 
 class Dask:
@@ -44,7 +43,9 @@ class Dask:
         try:
             import distributed  # noqa: PLC0415 - an extra
         except ImportError as error:
-            raise SceneError("--scheduler", "needs the package distributed, which is not installed", hint=INSTALL) from error
+            raise SceneError(
+                "--scheduler", "needs the package distributed, which is not installed", hint=extra_hint("dask", "distributed")
+            ) from error
         if not re.search(r":\d+/?$", self._address):  # the client would fail, and try to close itself for 20 s
             raise SceneError("--scheduler", "must be an address with a port, such as tcp://host:8786", value=self._address)
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:

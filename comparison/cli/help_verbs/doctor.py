@@ -15,6 +15,7 @@ from comparison.errors import YadeMissingError
 from comparison.provenance import PACKAGES
 from comparison.settings import load_settings, unknown_variables
 from comparison.yade import HOW_TO_GET_YADE, find_yade
+from la_core.errors import how_to_install
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def _package(name: str) -> Finding:
     try:
         return Finding(name, True, importlib.metadata.version(name))
     except importlib.metadata.PackageNotFoundError:
-        return Finding(name, False, "not installed", f"pip install {name}")
+        return Finding(name, False, "not installed", how_to_install(name))
 
 
 def doctor_table(findings: list[Finding]) -> Table:

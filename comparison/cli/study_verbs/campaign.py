@@ -31,7 +31,7 @@ from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import Verdict, mark_of
-from la_core.errors import SceneError
+from la_core.errors import SceneError, extra_hint
 from la_core.side_by_side import cores
 
 NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
@@ -43,7 +43,7 @@ def execute(context: Context) -> int:
     """Run a campaign, print its table, and return the most severe exit code of its cases."""
     options = context.options
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
-        raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet": pip install pyarrow')
+        raise SceneError("--parquet", "needs pyarrow, which is not installed", hint=extra_hint("parquet", "pyarrow"))
     path = find_campaign(options.campaign)
     campaign_definition = definition.load_campaign(path)
     folder = Path(os.path.realpath(options.output or default_folder(path)))  # unlike `resolve`, it takes a link to itself

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, by_layer, cleaned, open_words, read_outlines, remarks
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, extra_hint, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
@@ -19,7 +19,6 @@ from la_core.scene.schema.drawing import Drawing
 from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 from la_core.text_table import place_text
 
-INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
 LAYER, COLOUR = "layer:", "colour:"
 LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
 IN_OPENINGS = 0.8  # of its area: an outline with more of it in openings is no block, but a pane or a frame
@@ -111,7 +110,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     """
     suffix = file.path.suffix.lower()
     if suffix == ".dxf" and importlib.util.find_spec("ezdxf") is None:
-        raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
+        raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
     try:
         drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta, table.scale)
         _refuse_unmatched(table, drawn.places)

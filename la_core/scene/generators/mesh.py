@@ -9,14 +9,12 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import scipy
 
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, extra_hint, nearest
 from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.generators.mesh_surface import Surface, convex_shape
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.mesh import FOLDER_FORMATS, FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE, LONGEST_NAME, MOST_BLOCKS
-
-INSTALL = 'install the extra "mesh": pip install --editable ".[mesh]" in the project\'s folder, or pip install trimesh'
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def mesh_blocks(mesh: Mesh, files: list[MeshFile]) -> list[NamedShape]:
 def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
     suffix = file.path.suffix.lower()
     if suffix in FOLDER_FORMATS and importlib.util.find_spec("trimesh") is None:
-        raise SceneError(_where(mesh), f"{suffix} files are read by trimesh, which is not installed", hint=INSTALL)
+        raise SceneError(_where(mesh), f"{suffix} files are read by trimesh, which is not installed", hint=extra_hint("mesh", "trimesh"))
     try:
         return surfaces(suffix, file.content, file.path.stem)
     except ValueError as error:
