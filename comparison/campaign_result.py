@@ -1,5 +1,6 @@
 """Campaigns from Python: run or read one, show its rows as a table, compare two."""
 
+import multiprocessing
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,7 +31,7 @@ from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.run_folder import folder_of_results
 from comparison.verdict import mark_of
-from la_core.errors import path_of, seconds_or_none, whole_number
+from la_core.errors import SceneError, path_of, seconds_or_none, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -173,6 +174,10 @@ def run_campaign(
     comparison.errors.FolderInUseError
         Another process works in the folder.
     """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):  # set while a worker process loads the user's script
+        raise SceneError(
+            "run_campaign", "is called while a worker process loads the script", hint='call it below `if __name__ == "__main__":`'
+        )
     count = cores() if workers is None else whole_number("workers", workers, 1)
     limit = seconds_or_none("time_limit", time_limit)
     path = find_campaign(path_of("campaign", campaign))

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import multiprocessing
 import os
 import tomllib
 from collections.abc import Callable
@@ -177,6 +178,13 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
     assert list(unchanged.to_dataframe().columns) == ["case", "what", "before", "after", "difference", "allowed"]
     with pytest.raises(la_core.SceneError, match="workers"):
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
+
+
+def test_a_script_that_begins_a_campaign_while_a_worker_loads_it_is_told_where_to_call_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was told that the folder is in use."""
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(la_core.SceneError, match="__main__"):
+        comparison.run_campaign("seed_paper")
 
 
 def test_results_are_exported_from_python(tmp_path: Path) -> None:
