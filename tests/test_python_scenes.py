@@ -162,10 +162,11 @@ COPIES = {"made": lambda scene: scene, "copied": copy.deepcopy, "unpickled": lam
 @pytest.mark.parametrize("same", COPIES.values(), ids=COPIES)
 def test_a_copy_of_a_scene_cannot_be_changed_behind_its_text_either(same: Callable[[la_core.Scene], la_core.Scene]) -> None:
     """Worker processes get their scenes unpickled."""
-    scene = same(la_core.variant("two_pads", {"yade.stiffening": 2.0}))
+    tie = {"blocks": ["block"], "from": [0.0, 0.1, 0.5], "to": [-1.0, 0.1, 0.0], "force": 1.0}
+    scene = same(la_core.variant("two_pads", {"yade.stiffening": 2.0, "tie": [tie]}))
     with pytest.raises(TypeError, match="does not support item assignment"):
         scene.yade["stiffening"] = 1.0  # type: ignore[index]
-    for array in (scene.gravity, scene.blocks.vertices, scene.loads.force):
+    for array in (scene.gravity, scene.blocks.vertices, scene.loads.force, scene.ties.forces.force):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
     assert scene.yade == {"stiffening": 2.0}

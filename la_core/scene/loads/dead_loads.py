@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from la_core.errors import SceneError, nearest
-from la_core.geometry import ROLES, Blocks
+from la_core.geometry import ROLES, Blocks, Held
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.top_faces import carried
 from la_core.scene.schema.loads import JointFriction, Load, Tie
@@ -21,7 +21,7 @@ GROUND = -1  # in place of a block, where the ground holds an end of a tie
 
 
 @dataclass(frozen=True)
-class Ties:
+class Ties(Held):
     """The T ties of a scene.
 
     Attributes
