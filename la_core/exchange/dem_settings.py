@@ -52,8 +52,6 @@ def broken_rule(name: str, value: Any) -> str:
         return "a whole number" if name in _WHOLE else "a finite number"
     if value < 0.0 or (value == 0.0 and name not in _MAY_VANISH):
         return "at least 0" if name in _MAY_VANISH else "greater than 0"
-    if name == "time_step_share" and value > 1.0:
-        return "at most 1: beyond that the integration is unstable"
     return "less than 1" if name in _BELOW_ONE and value >= 1.0 else ""
 
 

@@ -124,6 +124,10 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
             yield ("yade", name), str(SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS)))
         elif rule := broken_rule(name, value):
             yield ("yade", name), str(SceneError(f"yade.{name}", f"must be {rule}", value=value))
+    share = file.yade.get("time_step_share", 0.0)
+    if share > 1.0 and "time_step" not in file.yade:  # which takes the place of a share
+        rule = "must be at most 1: beyond that the integration is unstable"
+        yield ("yade", "time_step_share"), str(SceneError("yade.time_step_share", rule, value=share))
     yield from faults_of_tilt(file)
     yield from _faults_of_density(tables, file)
 

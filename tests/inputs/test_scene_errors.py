@@ -193,6 +193,12 @@ def test_unchanged_scene_is_accepted(write_scene: WriteScene, two_pads) -> None:
     assert len(assemble(load_scene(write_scene(two_pads))).points) == 4
 
 
+def test_a_share_of_the_time_step_is_not_judged_where_the_scene_gives_the_step(write_scene: WriteScene, two_pads) -> None:
+    """YADE does not use the share there: such scenes ran and agreed before the rule."""
+    text = swapped(two_pads, (MOTION, MOTION + "\n[yade]\ntime_step_share = 1.2\ntime_step = 1e-6"))
+    assert load_scene(write_scene(text)).yade == {"time_step_share": 1.2, "time_step": 1e-6}
+
+
 def test_integers_are_numbers(write_scene: WriteScene, two_pads) -> None:
     """TOML tells 1 from 1.0; a user need not."""
     scene = load_scene(write_scene(swapped(two_pads, ("= 0.6", "= 1"), ("to = [1.0, 0.2, 0.5]", "to = [1, 0.2, 0.5]"))))
