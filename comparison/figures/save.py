@@ -1,6 +1,7 @@
 """A figure as a file: PNG, SVG or PDF, with the same bytes for the same figure, whatever style the user has set in matplotlib."""
 
 import io
+import os
 import threading
 import warnings
 from collections.abc import Iterator
@@ -20,6 +21,14 @@ STYLE = {name: value for name, value in rcParamsDefault.items() if not name.star
 _ONE_STYLE = threading.RLock()  # the style is one for all threads: the last of several to end would put back that of another
 
 
+def _renew_lock() -> None:
+    global _ONE_STYLE  # noqa: PLW0603 - a forked process has no thread that would ever give the old one back
+    _ONE_STYLE = threading.RLock()
+
+
+os.register_at_fork(after_in_child=_renew_lock)
+
+
 @contextmanager
 def own_style() -> Iterator[None]:
     """Draw in matplotlib's own style within, and put back the user's: a report is the same everywhere, and needs no LaTeX."""
@@ -35,7 +44,7 @@ def save(figure: Figure, path: Path) -> None:
 def rendered(figure: Figure, suffix: str) -> bytes:
     """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf". The figure stays as it was."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with warnings.catch_warnings(), own_style(), _unmoved(figure):
+    with own_style(), warnings.catch_warnings(), _unmoved(figure):  # filters of warnings are one for all threads, too
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
         if suffix == ".png":  # savefig draws twice; one drawing finds the same layout, unless a title has several lines

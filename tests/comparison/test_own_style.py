@@ -1,7 +1,12 @@
 """The style that a user has set in matplotlib, in Python or in a matplotlibrc, neither changes the program's figures nor is changed."""
 
-from collections.abc import Callable
+import multiprocessing
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import matplotlib
@@ -9,7 +14,7 @@ import pytest
 
 import comparison
 import la_core
-from comparison.figures import rendered
+from comparison.figures import own_style, rendered
 
 USERS = {"text.usetex": True, "font.size": 22.0, "axes.facecolor": "yellow", "savefig.facecolor": "red", "figure.dpi": 40.0}
 SWEEP = '[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.3, 0.6] }\n'
@@ -77,3 +82,41 @@ def test_figures_drawn_in_several_threads_leave_the_users_style(answer: la_core.
         with ThreadPoolExecutor(4) as threads:
             figures = list(threads.map(lambda number: rendered(answer.plot("assembly").figure, ".png"), range(12)))
         assert dict(matplotlib.rcParams) == before and len(set(figures)) == 1
+
+
+@contextmanager
+def drawing_elsewhere() -> Iterator[None]:
+    """Another thread draws all the while."""
+    begun, ended = threading.Event(), threading.Event()
+
+    def draw() -> None:
+        with own_style():
+            begun.set()
+            ended.wait()
+
+    thread = threading.Thread(target=draw)
+    thread.start()
+    try:
+        begun.wait()
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def test_a_process_forked_while_another_thread_draws_can_draw(answer: la_core.Answer) -> None:
+    """It waited for ever: the thread that held the style does not exist there."""
+    with drawing_elsewhere():
+        process = multiprocessing.get_context("fork").Process(target=answer.plot, args=("assembly",))
+        process.start()
+        process.join(30.0)
+        process.kill()
+    assert process.exitcode == 0
+
+
+def test_a_figure_that_waits_for_another_thread_leaves_the_users_warnings(answer: la_core.Answer) -> None:
+    figure, filters = answer.plot("assembly").figure, warnings.filters
+    with ThreadPoolExecutor(1) as threads, drawing_elsewhere():
+        threads.submit(rendered, figure, ".png")
+        time.sleep(0.2)
+        assert warnings.filters is filters
