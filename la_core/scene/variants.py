@@ -94,9 +94,8 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
 
     Notes
     -----
-    The title gets the changes appended, unless `changes` has a title. Where more changes than words,
-    `accuracy`, `effort` or [yade], `source` and [expected] are deleted unless `changes` has new ones: they speak of the original scene
-    only.
+    The title gets the changes appended, unless `changes` has a title. `source` and [expected] speak of the original scene: they are
+    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and [yade].
 
     Examples
     --------
