@@ -99,7 +99,8 @@ class WorkerProcesses(Generic[Work, Made]):
                     other.begin(worker.work, worker.attempt + 1)
                 else:
                     how = f"its worker process {_how_ended(worker.process.exitcode)}, {ATTEMPTS} times"
-                    hint = "run the same command again, with fewer --workers where memory ran out"
+                    again = "run the same command again, with fewer --workers where memory ran out"
+                    hint = "its error on standard error says why" if worker.process.exitcode == 1 else again
                     results.append((worker.work, WorkerLostError(f"{how}; {hint}")))
         return results
 
