@@ -123,8 +123,9 @@ ENERGIES = {
 DRIVES = ("support", "load")  # one of them acts; the other one does no work
 ENERGY_NOTE = (
     "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
-    "signs. Where weight and live load oppose each other, each of them may do more work than this. Between two stored states a force "
-    "counts as the mean of both; this error shows as work that is not accounted for, and may make a small dissipation negative."
+    "signs. Where weight and live load oppose each other, each of them may do more work than this. The forces between two "
+    "stored states are taken as their mean. The error of this mean is work that is not accounted for, and may make a small dissipation "
+    "negative."
 )
 
 
