@@ -17,8 +17,23 @@ _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMAT
             **dict.fromkeys(_PICTURES, "a drawing or a picture"), **dict.fromkeys(_SHEETS, "a spreadsheet"),
             ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
+_BEFORE = r"[=\[,]\s*[-+]?"  # what stands before a number
 _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
     (r"=[^\"'#]*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
+    (r"=[^\"'#]*[−–—]", "write a minus sign with the key -; a longer dash comes with text copied from a page"),
+    (
+        "[\u00a0\u2007\u202f\u200b\ufeff]",
+        "a space on this line is no plain one, as on web pages: delete the line's spaces and type them again",
+    ),
+    (r"^[^\"'#:]*//", "a comment begins with #, not with //"),
+    (r"^([^\"'#]*[{,])?\s*[\w-]+\s*:", "write = between a key and its value"),
+    (r"=\s*\(", "write lists in square brackets, as in [0.0, 0.0, -1.0]"),
+    (_BEFORE + r"(math\.)?(tan|sin|cos|sqrt|atan|radians|pi\b)", "a scene does not calculate: write the number that comes out"),
+    (_BEFORE + r"[\d.]+\s*[*/^]+\s*(?!\d+/)([\d.(]|pi)", "a scene does not calculate: write the number that comes out"),
+    (_BEFORE + r"(\.\d|\d+\.(?![\d.]))", "write a digit on both sides of a decimal point, as in 0.5 and 1.0"),
+    (r"=\s*(True|TRUE|False|FALSE)\b", "write true or false in small letters"),
+    (r"\{[^}]*,\s*\}", "no comma stands before the closing brace"),
+    (r"\{[^}\[]*(\[[^\]]*\][^}\[]*)*$", "a table in braces { } begins and ends on one line"),
     (r"=\s*[-+]?\d{1,3}([.' ]\d{3})+(,\d+)?\s*(#.*)?$", "write numbers with a decimal point and no other mark, as in 2200.5"),
     (r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", r"write numbers with a decimal point, \1.\2"),
     (_NUMBER + "(degrees?|deg|°)", r"write the number alone, \1; the friction is the tangent of the angle"),
@@ -27,6 +42,7 @@ _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that
     (_NUMBER + r"(?!e[-+]?\d)([^\W\d_][\w/³²]*)", r"write the number alone, \1; all numbers are in SI units (m, kg, N)"),
     (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
 )
+_SAVE_AS_UTF_8 = "save the file in the encoding UTF-8; editors offer it beside the file's name"
 _TABLE_TWICE = "a table in single brackets stands once; tables of which a scene may have several have double brackets, as [[block]]"
 
 
@@ -39,13 +55,22 @@ def read_text(path: Path) -> str:
         if path.stat().st_size > LARGEST_FILE:
             raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
         content = path.read_bytes()
+        _refuse_other_texts(content, path)
         return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # some editors begin a file with a mark
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         rule = f"not UTF-8 text (byte {error.start}, line {line})"
-        raise SceneError(str(path), rule, hint="save the file in the encoding UTF-8; editors offer it beside the file's name") from error
+        raise SceneError(str(path), rule, hint=_SAVE_AS_UTF_8) from error
+
+
+def _refuse_other_texts(content: bytes, path: Path) -> None:
+    """Raise SceneError for a file of a word processor, and for text with two bytes for each character."""
+    if content.startswith((b"{\\rtf", b"PK\x03\x04", b"\xd0\xcf\x11\xe0")):
+        raise SceneError(str(path), "a file of a word processor, not plain text", hint="save it there as plain text, in the encoding UTF-8")
+    if b"\0" in content:
+        raise SceneError(str(path), "not UTF-8 text: it holds zero bytes, as UTF-16 does", hint=_SAVE_AS_UTF_8)
 
 
 def _refuse_other_kinds(path: Path) -> None:
@@ -84,7 +109,7 @@ def refuse_a_campaign(data: dict[str, Any], path: Path) -> None:
 def _slip(text: str, message: str) -> str:
     """What the line of an error was probably meant to be, as a hint; "" where nothing is known."""
     place = re.search(r"line (\d+)", message)
-    line = text.split("\n")[int(place[1]) - 1].strip() if place else ""
+    line = text.split("\n")[int(place[1]) - 1].strip(" \t") if place else ""
     if "Cannot declare" in message or "Cannot overwrite" in message:
         return _TABLE_TWICE if line.startswith("[") else "the key stands twice; give it once"
     for pattern, hint in _SLIPS:

@@ -108,6 +108,24 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ("= 0.6", "= 60 %", "write the number alone, as a share of one: 0.6 for 60 %"),
         ("= 0.6", "= 0.6;", "a line ends without a semicolon"),
         ('= "support"', "= „support“", "write text in straight quotes"),
+        ("-1.0]", "−1.0]", "write a minus sign with the key -"),
+        ("= 0.6", "= 0.6 – 0.1", "write a minus sign with the key -"),
+        ("= 0.6", "\u00a0= 0.6", "a space on this line is no plain one"),
+        ("= 0.6", "= 0.6 // measured", "a comment begins with #, not with //"),
+        ("= 0.6", ": 0.6", "write = between a key and its value"),
+        ("{ from =", "{ from:", "write = between a key and its value"),
+        ("[0.0, 0.0, -1.0]", "(0.0, 0.0, -1.0)", "write lists in square brackets"),
+        ("= 0.6", "= tan(31)", "a scene does not calculate: write the number that comes out"),
+        ("= 0.6", "= math.tan(0.5)", "a scene does not calculate: write the number that comes out"),
+        ("= 0.6", "= 3/5", "a scene does not calculate: write the number that comes out"),
+        ("[0.0, 0.0, -1.0]", "[0.0, 0.0, -1/2]", "a scene does not calculate: write the number that comes out"),
+        ("= 0.6", "= 27/11/2026", "Expected newline or end of document after a statement (at line 9, column 14)"),
+        ("= 0.6", "= .6", "write a digit on both sides of a decimal point"),
+        ("[0.0, 0.0, -1.0]", "[0., 0., -1.]", "write a digit on both sides of a decimal point"),
+        ("[settlement]", "[effects]\nplane = True\n[settlement]", "write true or false in small letters"),
+        ("0.0] }", "0.0], }", "no comma stands before the closing brace"),
+        ("{ from", "{\n  from", "a table in braces { } begins and ends on one line"),
+        (", to = [", ",\n  to = [", "a table in braces { } begins and ends on one line"),
         ("[[block]]", "[block]", "have double brackets, as [[block]]"),
         ("= 0.6", "= 0.6\nfriction = 0.5", "the key stands twice; give it once"),
         ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
@@ -154,6 +172,21 @@ def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_
     path = tmp_path / "latin.toml"
     path.write_bytes(f'# A comment\ntitle = "façade"\n{two_pads}'.encode("latin-1"))
     assert message(path).startswith("not UTF-8 text (byte 23, line 2); save the file in the encoding UTF-8")
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        ("joint".encode("utf-16-le"), "not UTF-8 text: it holds zero bytes, as UTF-16 does; save the file in the encoding UTF-8"),
+        ("joint".encode("utf-16"), "not UTF-8 text: it holds zero bytes, as UTF-16 does; save the file in the encoding UTF-8"),
+        (b"{\\rtf1\\ansi", "a file of a word processor, not plain text; save it there as plain text"),
+        (b"PK\x03\x04\x14\x00", "a file of a word processor, not plain text; save it there as plain text"),
+    ],
+)
+def test_what_is_no_plain_text_is_told_so(content: bytes, expected: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(content)
+    assert message(path).startswith(expected)
 
 
 def test_a_campaign_in_place_of_a_scene_is_one_message(tmp_path: Path) -> None:
