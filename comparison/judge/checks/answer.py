@@ -13,6 +13,7 @@ from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Solution, Status
 
+SLIP = 0.01  # share by which a value in a wrong unit, rounded by hand, may differ from that of limit analysis
 OF_ONE_METHOD = {Verdict.AGREE: Verdict.EXPECTED_MET, Verdict.DISAGREE: Verdict.UNEXPECTED}  # nobody agrees or disagrees with it
 
 
@@ -48,7 +49,7 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
             edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
             reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
-            check = within(name, computed, number, tolerance, unit, reason, next_steps.CHECK_SOURCE)
+            check = within(name, computed, number, tolerance, unit, reason, _likely_slip(analysis, solution, number, tolerance))
             if not solved:
                 unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
                 if _fell(solution) and solution is not analysis.coulomb:  # of which `check_answer` says it
@@ -56,6 +57,33 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
                 check = replace(check, reason=unknown, next_step=_step_without_value(analysis, solution))
             verdict = OF_ONE_METHOD.get(check.verdict, check.verdict)
             yield replace(check, verdict=verdict, yade=None)  # the number compared is the scene's own, and the report names it as such
+
+
+def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, number: float, tolerance: float) -> str:
+    """Return what an expected value that is not met seems to be instead; where nothing is known, to compare scene and source."""
+    scene, bounds, main = analysis.scene, analysis.sharp.bounds, analysis.sharp.bounds[analysis.main]
+    divisor, key = (1.0, "multiplier") if scene.live is not None else (scene.weight, "reaction_over_weight")
+    computed = solution.value / divisor
+
+    def near(value: float) -> bool:
+        return abs(number - value) <= SLIP * abs(value)
+
+    def is_that(other: Solution | None) -> bool:
+        return other is not None and other is not solution and abs(number - other.value / divisor) <= tolerance
+
+    shift = abs(main.value - analysis.bounds[analysis.main].value) / divisor  # of the bound, by the inset
+    pushed = bounds.get(Drive.PUSHING)
+    slips = (
+        (solution is analysis.coulomb and abs(number - computed) <= 2.0 * shift, next_steps.SHARP_EDGES),
+        (computed > 0.0 and near(-computed), next_steps.SIGN.format(quantity=scene.quantity)),
+        (scene.live is None and near(solution.value), next_steps.IN_NEWTONS.format(unit=scene.unit, weight=scene.weight)),
+        (near(100.0 * computed), next_steps.PERCENT),
+        (scene.tilt is not None and near(math.degrees(math.atan(computed))), next_steps.ANGLE),
+        (is_that(pushed), next_steps.OTHER_KEY.format(meaning="greatest reaction, against the settlement", key="reaction_max_over_weight")),
+        (solution is pushed and is_that(main), next_steps.OTHER_KEY.format(meaning="reaction along the settlement", key=key)),
+        (is_that(main), next_steps.OTHER_KEY.format(meaning="one of the associated flow rule", key=f"associated_{key}")),
+    )
+    return next((step for found, step in slips if found), next_steps.CHECK_SOURCE)
 
 
 def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:

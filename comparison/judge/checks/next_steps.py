@@ -6,6 +6,15 @@ from la_core.limit import Status
 from la_core.scene import Scene
 
 CHECK_SOURCE = "Compare the scene with its source, and see for which friction law and inset the value of [expected] holds."
+IN_NEWTONS = "The value of [expected] seems to be in {unit}: divide it by the weight, {weight:.6g} N."
+PERCENT = "The value of [expected] seems to be in percent: write it as a share of one, 0.5 for 50 %."
+ANGLE = "The value of [expected] seems to be an angle in degrees: the multiplier is its tangent."
+SIGN = "The value of [expected] seems to have the wrong sign: the {quantity} is positive here."
+OTHER_KEY = "The value of [expected] seems to be the {meaning}: give it as `{key}`."
+SHARP_EDGES = (
+    "The value of [expected] may hold for sharp edges, but the prediction is for the scene's inset, because joints slide: set `inset = 0` "
+    "in [joint] to compare it."
+)
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
 FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a finer run of YADE. {HARDER}"
 SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"

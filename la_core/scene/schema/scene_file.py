@@ -205,7 +205,10 @@ class RequestedEffects(Table):
 
 
 class Expected(Table):
-    """The known answer for sharp edges (inset 0), and its source; limit analysis is checked with it. At least one value is needed."""
+    """The known answer for sharp edges (inset 0), and its source; limit analysis is checked with it. At least one value is needed.
+
+    Where joints slide, the prediction is known for the scene's inset alone: set `inset = 0` in [joint], or a `tolerance` that covers it.
+    """
 
     reaction_over_weight: Real | None = described("R/W with the scene's own friction; in m where the support turns", default=None)
     reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)

@@ -1,0 +1,67 @@
+"""An expected value that is not met: the next step names the slip where the number tells it."""
+
+from typing import Any
+
+import pytest
+
+import la_core
+from comparison.judge.checks import next_steps
+from comparison.judge.checks.answer import check_expected
+from comparison.verdict import Verdict
+from la_core.analysis import analyse
+
+HEIGHT, FRICTION = 0.3, 0.6  # m, of a block of the corbel
+
+
+def step(scene: la_core.Scene, expected: dict[str, float]) -> str:
+    (check,) = check_expected(analyse(la_core.variant(scene, {"expected": expected | {"kind": "exact"}})))
+    assert check.verdict is Verdict.UNEXPECTED
+    return check.next_step
+
+
+def box(name: str, role: str, left: float, right: float, bottom: float, top: float) -> dict[str, Any]:
+    return {"name": name, "role": role, "box": {"from": [left, 0.0, bottom], "to": [right, 0.3, top]}}
+
+
+def corbel(inset: float) -> la_core.Scene:
+    """Three blocks of 1 m, each 0.4 m farther out, on a prop under the end of the highest one."""
+    stones = [box(f"stone {k}", "free", 0.4 * k, 1.0 + 0.4 * k, HEIGHT * k, HEIGHT * (k + 1)) for k in range(3)]
+    held = [box("ground", "fixed", 0.0, 1.0, -0.2, 0.0), box("prop", "support", 1.6, 1.8, 0.0, 2.0 * HEIGHT)]
+    joint = {"friction": FRICTION, "inset": inset}
+    return la_core.build({"stone": {"density": 2000.0}, "joint": joint, "block": stones + held, "settlement": {"direction": [0, 0, -1]}})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "expected"),
+    [
+        ("reaction_over_weight", 359.7, "seems to be in N: divide it by the weight, 2158.2 N"),
+        ("reaction_over_weight", 16.67, "seems to be in percent"),
+        ("reaction_over_weight", -0.1667, "seems to have the wrong sign: the reaction is positive here"),
+        ("reaction_over_weight", 1.0, "give it as `reaction_max_over_weight`"),
+        ("reaction_max_over_weight", 1 / 6, "give it as `reaction_over_weight`"),
+        ("associated_reaction_over_weight", 1.0, "give it as `reaction_max_over_weight`"),
+        ("reaction_over_weight", 0.545, next_steps.CHECK_SOURCE),
+    ],
+)
+def test_a_value_in_another_unit_or_of_another_key_is_recognised(key: str, value: float, expected: str) -> None:
+    assert expected in step(la_core.load("two_pads"), {key: value})
+
+
+def test_a_value_of_the_associated_rule_is_recognised() -> None:
+    found = step(la_core.load("two_blocks"), {"reaction_over_weight": 0.5 / 1.36, "tolerance": 1e-3})
+    assert "give it as `associated_reaction_over_weight`" in found
+
+
+def test_an_angle_in_place_of_a_multiplier_is_recognised() -> None:
+    blocks = [box("table", "fixed", -1.0, 1.0, -0.1, 0.0), box("block", "free", -0.1, 0.1, 0.0, 0.5)]
+    tables = {"stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "block": blocks, "tilt": {"axis": [0.0, 1.0, 0.0]}}
+    assert step(la_core.build(tables), {"multiplier": 21.8}) == next_steps.ANGLE
+
+
+def test_a_value_for_sharp_edges_where_joints_slide_asks_for_the_inset_zero() -> None:
+    """Moments of the two upper blocks about the edge of the lowest one; the stone slides on the prop, whose friction holds it, too."""
+    by_hand = 2.0 * (1.1 - 1.0) / (0.8 + FRICTION * HEIGHT) / 3.0
+    expected = {"reaction_over_weight": by_hand, "kind": "exact"}
+    assert step(corbel(0.001), expected) == next_steps.SHARP_EDGES
+    (check,) = check_expected(analyse(la_core.variant(corbel(0.0), {"expected": expected})))
+    assert check.verdict is Verdict.EXPECTED_MET
