@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,7 @@ _WITH_A_MESSAGE = (
 _NO_ROOM = "failed to map segment"  # says the system's loader where memory is too short for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
+_ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"
 _NEXT_STEP = {  # by the number of a system's error
     errno.ENOSPC: _FREE_SPACE,
     errno.EDQUOT: _FREE_SPACE,
@@ -65,6 +67,7 @@ def message_of(error: BaseException) -> str:
         return f"{error.filename}: {error.strerror or 'File exists'}: {said}"
     if isinstance(error, OSError):
         step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""
+        step = f"; {_ASK_OWNER}" if error.errno == errno.EACCES and _is_closed(error.filename) else step
         nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # what writes files names them
         return f"{error.filename or nameless}: {error.strerror or error}{step}"
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _NO_ROOM in str(error)):
@@ -73,6 +76,15 @@ def message_of(error: BaseException) -> str:
         return "stopped; finished stages are kept, and the same command continues from there"
     fault = f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
     return missing_part(error) if isinstance(error, ModuleNotFoundError) else fault
+
+
+def _is_closed(filename: Any) -> bool:
+    """Whether a file may not be read, or a folder on the way to it not be entered, as those of a user with a strict umask."""
+    if not isinstance(filename, str) or not filename:
+        return False
+    path = Path(filename).absolute()
+    closed = os.access(path, os.F_OK) and not os.access(path, os.R_OK)
+    return closed or any(os.access(folder, os.F_OK) and not os.access(folder, os.X_OK) for folder in path.parents)
 
 
 class _LossyStderr:

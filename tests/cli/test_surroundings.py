@@ -91,6 +91,23 @@ def test_a_disk_that_refuses_brings_a_next_step(number: int, step: str) -> None:
     assert step in message_of(OSError(number, os.strerror(number), "case.h5"))
 
 
+@pytest.mark.parametrize("closed", ["case.h5", "."])
+def test_what_another_user_closed_to_readers_is_to_be_opened_by_its_owner(
+    closed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tests may run as root, who may read everything, so the answers of the system are imitated."""
+    shut = (tmp_path / closed).resolve()
+    error = PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(tmp_path / "case.h5"))
+
+    def access(path: Path, mode: int) -> bool:
+        return mode == os.F_OK or path != shut
+
+    monkeypatch.setattr(os, "access", access)
+    assert "ask its owner to permit it" in message_of(error)
+    monkeypatch.setattr(os, "access", lambda *_: True)
+    assert "choose a folder that can be written" in message_of(error)
+
+
 def test_a_library_that_memory_is_too_short_for_is_no_error_of_the_program() -> None:
     message = message_of(ImportError("_imaging.so: failed to map segment from shared object"))
     assert message.startswith("out of memory (_imaging.so: ") and "more memory" in message
