@@ -8,9 +8,11 @@ import numpy as np
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
+from la_core.scene.schema.scene_file import SceneFile
 from la_core.text_table import place_text
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
+RADIANS = 3.1416  # degrees: no arch is as flat as this; half a turn in radians
 SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
 WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome
 GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
@@ -22,7 +24,7 @@ NAMED = 3  # blocks named in one warning
 def implausible(
     blocks: Blocks,
     densities: Sequence[float | None],
-    friction: float,
+    file: SceneFile,
     gravity: np.ndarray,
     twists: np.ndarray | None,
     repairs: Repairs | None,
@@ -35,8 +37,8 @@ def implausible(
         Blocks of the scene.
     densities : sequence of float or None
         Density of each block as the scene gives it, without floors, kg/m3; None where it gives none.
-    friction : float
-        Friction coefficient, tan(phi).
+    file : SceneFile
+        Tables of the scene.
     gravity : ndarray, shape (3,)
         Acceleration of gravity, m/s2.
     twists : ndarray, shape (B, 6), or None
@@ -46,7 +48,8 @@ def implausible(
     """
     missed = missed_joints(blocks)
     return (
-        *_of_friction(friction),
+        *_of_friction(file.joint.friction),
+        *_of_angles(file),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
         *_of_sizes(blocks),
         *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
@@ -63,6 +66,16 @@ def _of_friction(friction: float) -> Iterator[str]:
         if 5.0 <= friction < 90.0:
             angle = f"; if it is an angle, write its tangent: {friction:g} degrees is {math.tan(math.radians(friction)):.3f}"
         yield f"joint.friction = {friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75{angle}."
+
+
+def _of_angles(file: SceneFile) -> Iterator[str]:
+    angles = {f"arch[{number}]": one.embrace for number, one in enumerate(file.arch)}
+    angles |= {f"vault[{number}]": one.embrace for number, one in enumerate(file.vault)}
+    angles |= {f"dome[{number}]": one.embrace for number, one in enumerate(file.dome)}
+    for table, angle in angles.items():
+        if angle <= RADIANS:
+            meant = f"{angle:g} radians are {math.degrees(angle):.4g} degrees"
+            yield f"{table}.embrace = {angle:g} is a very small angle; it is in degrees: {meant}."
 
 
 def _of_densities(densities: Sequence[float]) -> Iterator[str]:

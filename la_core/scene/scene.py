@@ -287,7 +287,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         repairs=repairs,
         warnings=(
             *(words for one in tables.drawn for words in one.warnings()),
-            *implausible(blocks, stones, file.joint.friction, gravity, support_twists(file.settlement, blocks), repairs),
+            *implausible(blocks, stones, file, gravity, support_twists(file.settlement, blocks), repairs),
             *implausible_loads(file, loads, names_of_loads, ties, blocks, gravity),
         ),
         places=tuple(tables.places),

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 import scenes
 
+import la_core
 from comparison.cli.commands import main
 from comparison.report.report import write_report
 from la_core.scene import shipped
@@ -93,6 +94,11 @@ def test_an_implausible_value_brings_one_warning_that_says_what_may_be_meant(cas
 @pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
 def test_no_shipped_scene_brings_a_warning(name: str) -> None:
     assert scenes.shipped(name).warnings == ()
+
+
+def test_an_angle_in_radians_is_told_in_degrees() -> None:
+    (told,) = la_core.variant("arch_spreading", {"arch[0].embrace": 3.14159}).warnings
+    assert told == "arch[0].embrace = 3.14159 is a very small angle; it is in degrees: 3.14159 radians are 180 degrees."
 
 
 def test_a_floor_on_a_block_is_no_heavy_stone() -> None:
