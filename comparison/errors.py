@@ -41,7 +41,7 @@ _WITH_A_MESSAGE = (
 _NO_ROOM = "failed to map segment"  # says the system's loader where memory is too short for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
-_ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"
+ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"
 _NEXT_STEP = {  # by the number of a system's error
     errno.ENOSPC: _FREE_SPACE,
     errno.EDQUOT: _FREE_SPACE,
@@ -67,7 +67,7 @@ def message_of(error: BaseException) -> str:
         return f"{error.filename}: {error.strerror or 'File exists'}: {said}"
     if isinstance(error, OSError):
         step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""
-        step = f"; {_ASK_OWNER}" if error.errno == errno.EACCES and _is_closed(error.filename) else step
+        step = f"; {ASK_OWNER}" if error.errno == errno.EACCES and _is_closed(error.filename) else step
         nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # what writes files names them
         return f"{error.filename or nameless}: {error.strerror or error}{step}"
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _NO_ROOM in str(error)):

@@ -182,6 +182,23 @@ def test_a_scene_that_cannot_be_read_is_named_in_the_report_of_the_others(
     assert [scene["scene"] for scene in json.loads((copy / "report.json").read_text())["comparisons"]] == ["two_pads"]
 
 
+def test_results_that_another_user_closed_are_named_as_left_out(
+    copy: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The tests may run as root, who may read everything, so the answer of the system is imitated."""
+    closed = copy / "closed"
+    closed.mkdir()
+    may = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: path != closed and may(path, mode))
+    assert main(["report", str(copy), "--json", "-q"]) == TOOL
+    said = capsys.readouterr()
+    one_message(said.err, f"{closed}: it may not be read by you: ask its owner")
+    assert json.loads(said.out)["left_out"] == ["closed"]
+    shutil.rmtree(copy / "two_pads")
+    assert main(["report", str(copy), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, "ask its owner")
+
+
 def test_a_report_stays_where_no_scene_can_be_read(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = (copy / "report.html").read_bytes()
     (copy / "two_pads" / "scene.toml").unlink()

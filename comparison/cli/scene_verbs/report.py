@@ -1,5 +1,6 @@
 """`crosscheck report`: write the reports of stored runs or campaigns again."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,7 @@ from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
-from comparison.errors import FolderInUseError
+from comparison.errors import ASK_OWNER, FolderInUseError
 from comparison.progress import Narration
 from comparison.run_folder import DEFINITION
 from comparison.workflow import report_again
@@ -34,8 +35,11 @@ def execute(context: Context) -> int:
     broken, left_out = AGREE, dict[Path, list[str]]()
     with Narration(context.narrator) as narration:
         for folder in folders:
+            for closed in _closed_folders(folder):
+                broken = complain(f"{closed}: {ASK_OWNER}", TOOL)
+                left_out.setdefault(folder, []).append(closed.name)
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
-            if not cases:
+            if not cases and folder not in left_out:
                 if (folder / DEFINITION).is_file():
                     ended = "holds a campaign that was ended before its first table"
                     raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
@@ -50,6 +54,12 @@ def execute(context: Context) -> int:
                     left_out.setdefault(folder, []).append(case.name)
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
+
+
+def _closed_folders(folder: Path) -> list[Path]:
+    """Return the folders in a run's folder that this user may not enter; their results would be missing without a word."""
+    inside = sorted(folder.iterdir()) if folder.is_dir() and os.access(folder, os.R_OK | os.X_OK) else []
+    return [place for place in inside if place.is_dir() and not os.access(place, os.R_OK | os.X_OK)]
 
 
 def _run_folder(folder: Path) -> Path:
