@@ -78,6 +78,8 @@ def test_only_what_exceeds_the_stated_uncertainty_is_a_change(tmp_path: Path) ->
     outside = compare_tables(before, changed(before, 2, yade=before.rows[2]["yade"] + 1.1 * both))
     case = before.rows[2]["case"]
     assert not inside.changed and [change.case for change in inside.within] == [case]
+    assert "1 reaction differs within the stated uncertainties" in sentence(inside)
+    assert "1 other reaction differs within" in sentence(compare_tables(*moved(tmp_path)))  # other than those that changed
     assert words(outside) == [(case, "reaction", "yade")] and not outside.within
 
 

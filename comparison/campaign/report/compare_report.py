@@ -91,8 +91,8 @@ def sentence(comparison: Comparison) -> str:
     statements += [f"{plural(only, 'case')} {'is' if only == 1 else 'are'} in one campaign only"] if only else []
     if comparison.yade_in_one:
         statements.append("YADE ran in one campaign only, so its results and the verdicts differ")
-    within = len(comparison.within)
-    moved = f" {plural(within, 'reaction')} differ{'s' if within == 1 else ''} within the stated uncertainties." if within else ""
+    within, moving = len(comparison.within), "other reaction" if cases else "reaction"
+    moved = f" {plural(within, moving)} differ{'s' if within == 1 else ''} within the stated uncertainties." if within else ""
     both = f"{UNCHANGED} {plural(comparison.matched, 'case')} {'is' if comparison.matched == 1 else 'are'} in both."
     stopped = [
         f" The campaign {when} was interrupted: {words}"
