@@ -73,7 +73,7 @@ def _add_new(add: AddVerb) -> None:
     new = add("new", "write a commented scene: of a kind of structure (wall, arch, building, ...), or for a drawing or a file of bodies")
     what = new.add_mutually_exclusive_group()
     what.add_argument("kind", metavar="KIND", nargs="?", help="kind of structure (default: list the kinds)")
-    from_help = "in place of KIND: drawing (DXF, SVG) or bodies (OBJ, PLY, STL) that the scene is to read"
+    from_help = "in place of KIND: drawing (DXF, SVG) or bodies (OBJ, PLY, STL, JSON of COMPAS) that the scene is to read"
     what.add_argument("--from", dest="source", type=Path, metavar="SOURCE", help=from_help)
     output_help = "scene file to write (default: KIND.toml, or SOURCE with the ending .toml)"
     new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help=output_help)

@@ -85,6 +85,35 @@ def compas_of_old(bodies: dict[str, tuple[Corners, str]]) -> str:
     return json.dumps({"assembly": {"vertex": marks}, "blocks": blocks})
 
 
+def compas_network(bodies: dict[str, tuple[Corners, str]]) -> str:
+    """As compas_assembly 0.2 wrote it: an assembly that is a network itself, with blocks wrapped twice."""
+    node = {}
+    for key, (name, (vertices, role)) in enumerate(bodies.items()):
+        inner = {"compas": "0.18.1", "datatype": "compas_assembly.datastructures/Block", "data": compas_mesh(vertices)}
+        block = {"dtype": "compas_assembly.datastructures/Block", "value": inner, "name": name}
+        node[str(key)] = {"x": 0.0, "block": block, "is_support": role != "free"}
+    return json.dumps({"attributes": {"name": "Network"}, "node": node, "edge": {}})
+
+
+def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, transformation: Any = None) -> str:
+    """As compas_model and compas_dem write a model: elements by their ids, or in a list, beside a graph."""
+    elements = {}
+    for name, (vertices, role) in bodies.items():
+        mesh = {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices), "name": name}
+        data = {"transformation": transformation, "shape" if is_list else "geometry": mesh, "is_support": role != "free"}
+        elements[f"id of {name}"] = {"dtype": "compas_dem.elements/Block", "data": data}
+    data = {"elements": list(elements.values()) if is_list else elements, "graph": {"node": {}}}
+    return json.dumps({"dtype": "compas_dem.models/BlockModel", "data": data})
+
+
+def compas_meshes(bodies: dict[str, tuple[Corners, str]]) -> str:
+    """A list of meshes, every second one alone in a list of its own."""
+    meshes: list[Any] = [
+        {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices), "name": name} for name, (vertices, _) in bodies.items()
+    ]
+    return json.dumps([[mesh] if k % 2 else mesh for k, mesh in enumerate(meshes)])
+
+
 def scene_text(file: str, settlement: Any = scenes.DOWN, gravity: Sequence[float] = (0.0, 0.0, -9.81), **entries: Any) -> str:
     roles = {"fixed": ["ground"], "support": ["pad"]} if "fixed" not in entries else {}
     table = "\n".join(["[[mesh]]", *(f"{key} = {scenes.inline(value)}" for key, value in {"file": file, **roles, **entries}.items())])
@@ -149,3 +178,19 @@ def as_compas(folder: Path) -> Path:
 
 def as_old_compas(folder: Path) -> Path:
     return written(folder, "wall.json", compas_of_old(wall()), fixed=[], support=[f"block {len(wall()) - 1}"])
+
+
+def as_compas_network(folder: Path) -> Path:
+    return written(folder, "wall.json", compas_network(wall()), fixed=[], support=["pad"])
+
+
+def as_compas_model(folder: Path) -> Path:
+    return written(folder, "wall.json", compas_model(wall()), fixed=[], support=["pad"])
+
+
+def as_compas_list_of_elements(folder: Path) -> Path:
+    return written(folder, "wall.json", compas_model(wall(), is_list=True), fixed=[], support=["pad"])
+
+
+def as_compas_meshes(folder: Path) -> Path:
+    return written(folder, "wall.json", compas_meshes(wall()))

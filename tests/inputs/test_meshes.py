@@ -12,6 +12,10 @@ from conftest import CrossChecked
 from mesh_files import (
     BOX_FACES,
     as_compas,
+    as_compas_list_of_elements,
+    as_compas_meshes,
+    as_compas_model,
+    as_compas_network,
     as_obj,
     as_obj_groups,
     as_old_compas,
@@ -39,7 +43,8 @@ AS_WRITTEN = 1e-9  # m: half a unit of the last digit written, and round-off
     ("write", "tolerance"),
     [
         (as_obj, EXACT), (as_obj_groups, EXACT), (as_ply_folder, EXACT), (as_stl_folder, SINGLE),
-        (as_compas, EXACT), (as_old_compas, EXACT),
+        (as_compas, EXACT), (as_old_compas, EXACT), (as_compas_network, EXACT), (as_compas_model, EXACT),
+        (as_compas_list_of_elements, EXACT), (as_compas_meshes, EXACT),
     ],
 )  # fmt: skip
 def test_a_wall_is_the_same_by_any_format(write: Callable[[Path], Path], tolerance: float, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Bodies from the content of mesh files: OBJ, PLY, STL and COMPAS assemblies.
+"""Bodies from the content of mesh files: OBJ, PLY, STL, and assemblies, models and lists of meshes by COMPAS.
 
 The content is data: no other file that it names is opened or run.
 """
@@ -6,6 +6,7 @@ The content is data: no other file that it names is opened or run.
 import io
 import json
 from collections import Counter
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -81,29 +82,49 @@ def _triangle_surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
 
 
 def _compas_surfaces(content: bytes) -> list[Surface]:
-    """Blocks of an assembly from `compas_assembly`: one block per node (version 0.4 and later), or a table of blocks."""
+    """Blocks of a file by COMPAS; the number of a block in the file is its name, where it has none of its own."""
     try:
-        data = _unwrapped(json.loads(content))
-        if "blocks" in data:
-            marks = data["assembly"].get("vertex") or data["assembly"].get("node") or {}
-            nodes = [(key, block, marks.get(key, {})) for key, block in data["blocks"].items()]
-        else:
-            graph = _unwrapped(data["graph"])
-            nodes = [(key, node.get("block") or node["part"], node) for key, node in graph["node"].items()]
-        named = [(str(key), *_compas_mesh(block), bool(marks.get("is_support"))) for key, block, marks in nodes]
+        named = [
+            (str(key), *_compas_mesh(block), bool(marks.get("is_support"))) for key, block, marks in _compas_blocks(json.loads(content))
+        ]
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RecursionError) as error:
-        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {error})") from error
+        ways = "write its blocks as OBJ, each as an object of its own"
+        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {error}); {ways}") from error
     shared = Counter(name for _, name, *_ in named)
     return [
         surface(name if name and shared[name] == 1 else f"block {key}", vertices, faces, held) for key, name, vertices, faces, held in named
     ]
 
 
+def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str, Any]]]:
+    """Key, mesh and marks of every block: of a list of meshes, a model of elements, a table of blocks, or a graph."""
+    if isinstance(content, list):
+        for key, mesh in enumerate(content):
+            yield key, mesh[0] if isinstance(mesh, list) and len(mesh) == 1 else mesh, {}
+        return
+    data = _unwrapped(content)
+    if "elements" in data:  # compas_model and compas_dem
+        elements = data["elements"]
+        for key, element in enumerate(elements.values() if isinstance(elements, dict) else elements):
+            marks = _unwrapped(element)
+            if data.get("transformation") or marks.get("transformation"):
+                raise ValueError(f"element {key} has a transformation, which is not read")
+            yield key, marks.get("shape") or marks["geometry"], marks
+    elif "blocks" in data:  # compas_assembly before 0.2
+        of_all = data["assembly"].get("vertex") or data["assembly"].get("node") or {}
+        for key, block in data["blocks"].items():
+            yield key, block, of_all.get(key, {})
+    else:  # a graph in an assembly, or an assembly that is a network itself
+        graph = _unwrapped(data["graph"]) if "graph" in data else data
+        for key, node in graph["node"].items():
+            yield key, node.get("block") or node["part"], node
+
+
 def _unwrapped(value: dict[str, Any]) -> dict[str, Any]:
-    """The data of an object that COMPAS wraps as {"dtype": ..., "data": ...}; version 1 names the second key "value"."""
-    if "dtype" not in value:
-        return value
-    return dict(value["data"] if "data" in value else value["value"])
+    """The data of an object that COMPAS wraps as {"dtype": ..., "data": ...}; version 1 names the second "value", and may wrap twice."""
+    while "dtype" in value or "datatype" in value:
+        value = value["data"] if "data" in value else value["value"]
+    return dict(value)
 
 
 def _compas_mesh(block: dict[str, Any]) -> tuple[str, np.ndarray, list[list[int]]]:
