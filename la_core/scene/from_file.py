@@ -4,6 +4,7 @@ import importlib.util
 import json
 import math
 import re
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 
@@ -63,7 +64,7 @@ OF_STONE = (  # patterns for words for stones: the jambs of a window are no open
 MEANING = {"ignore": "not read", "openings": "nothing is built there", "support": "moves", "ground": "stays"}  # of each list
 THICKNESS = 0.4  # m, written where a drawing cannot say it
 TOLERANCE = 0.003  # m
-SHORTEST = 0.05  # m: most blocks are longer
+SHORTEST, LONGEST = 0.05, 2.0  # m: most blocks are longer and shorter
 LARGEST_SIZE = 500.0  # m: a larger structure is drawn in mm
 WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no joint; closer ones need no mortar
 WEDGE = 1.3  # of the width of a joint at its narrow end
@@ -101,23 +102,25 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
         raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
     try:
         unit, said = _unit(source.suffix, content)
-        drawn = read_outlines(source.suffix, content, UNITS.get(unit), CURVE)
-        layers = sorted({layer for layer, _ in drawn.places})
-        lists = {key: [layer for layer in layers if _list_of(layer) == key] for key in WORDS}
-        clean = cleaned(drawn.without(lambda layer, _: layer in lists["ignore"]), TOLERANCE, lambda layer, _: _list_of(layer) or "blocks")
+        drawn, clean, lists = _read(source.suffix, content, unit)
+        doubt = "" if said else "  # CHECK: the file does not say it"
+        if said and clean.specks and not clean.outlines and SHORTEST <= _length(drawn.outlines) / drawn.unit <= LONGEST:
+            doubt = f"  # CHECK: a unit of {drawn.unit:g} m, which the file says, makes every outline thinner than {TOLERANCE:g} m"
+            unit = "m"  # a header often has the unit of the program that wrote it
+            drawn, clean, lists = _read(source.suffix, content, unit)
     except ValueError as error:
         raise SceneError(str(source), str(error)) from error
     if not clean.outlines:
         raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn))
-    counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers if layer not in lists["ignore"]}
+    layers = sorted({layer for layer, _ in drawn.places} - set(lists["ignore"]))
+    counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers}
     counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
     joints = _joint_width(clean)
     blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
     points = np.concatenate([outline.points for outline in blocks] or [np.zeros((1, 2))])
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
-    rows.append(
-        f'unit      = "{unit}"{_doubt(said, clean)}' if unit else f"# one unit of the file is {drawn.unit:g} m{_doubt(said, clean)}"
-    )
+    doubt = doubt or _doubt(clean)
+    rows.append(f'unit      = "{unit}"{doubt}' if unit else f"# one unit of the file is {drawn.unit:g} m{doubt}")
     rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
@@ -138,13 +141,27 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
 
 
-def _doubt(said: bool, clean: Cleaned) -> str:
-    """A comment on the unit, where the file does not say it, or most blocks are larger or smaller than any that walls are built of."""
-    size = float(np.median([np.ptp(outline.points, axis=0).max() for outline in clean.outlines]))
-    if said and not SHORTEST <= size <= SIZE[1]:
-        more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale 1 : 50 needs scale = 50"
-        return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m {more}"
-    return "" if said else "  # CHECK: the file does not say it"
+def _read(suffix: str, content: bytes, unit: str) -> tuple[Drawn, Cleaned, dict[str, list[str]]]:
+    """A drawing in a unit ("" for the file's), its cleaned outlines, and the layers of each list."""
+    drawn = read_outlines(suffix, content, UNITS.get(unit), CURVE)
+    layers = sorted({layer for layer, _ in drawn.places})
+    lists = {key: [layer for layer in layers if _list_of(layer) == key] for key in WORDS}
+    stones = drawn.without(lambda layer, _: layer in lists["ignore"])
+    return drawn, cleaned(stones, TOLERANCE, lambda layer, _: _list_of(layer) or "blocks"), lists
+
+
+def _length(outlines: Sequence[Outline]) -> float:
+    """Median length of outlines, m; 0 for none."""
+    return float(np.median([np.ptp(outline.points, axis=0).max() for outline in outlines])) if outlines else 0.0
+
+
+def _doubt(clean: Cleaned) -> str:
+    """A comment on the file's unit, where most blocks are larger or smaller than any that walls are built of."""
+    size = _length(clean.outlines)
+    if SHORTEST <= size <= SIZE[1]:
+        return ""
+    more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale 1 : 50 needs scale = 50"
+    return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m {more}"
 
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:

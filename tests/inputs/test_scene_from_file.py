@@ -11,6 +11,7 @@ import wall_drawings as drawn
 from wall_drawings import dxf, polyline
 
 from comparison.cli.commands import main
+from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
 from la_core.scene import build, load_scene, scene_from_file
 
@@ -162,3 +163,20 @@ def test_a_drawing_on_paper_is_told_to_state_its_scale(tmp_path: Path) -> None:
     scaled = text.replace("thickness =", "scale = 50\nthickness =").replace("tolerance = 0.003", "tolerance = 0.001")
     scene = build(tomllib.loads(scaled), "plan", tmp_path)
     assert scene.blocks.volume[scene.blocks.free] == pytest.approx(np.full(4, 0.5 * 0.25 * 0.4), rel=1e-6)
+
+
+@pytest.mark.parametrize("said", [1, 4])
+def test_a_unit_in_which_no_outline_is_a_block_is_not_believed(said: int, tmp_path: Path) -> None:
+    """Bricks of 250 by 65 mm drawn in metres, under a header that says inches or millimetres."""
+    bricks = [[(x, z), (x + 0.25, z), (x + 0.25, z + 0.065), (x, z + 0.065)] for x in (0.0, 0.25) for z in (0.0, 0.065)]
+    (tmp_path / "wall.dxf").write_bytes(dxf([polyline(brick, "A") for brick in bricks], unit=said))
+    assert main(["new", "-q", "--from", str(tmp_path / "wall.dxf")]) == 0
+    text = (tmp_path / "wall.toml").read_text()
+    unit = {1: 0.0254, 4: 0.001}[said]
+    assert f'unit      = "m"  # CHECK: a unit of {unit} m, which the file says, makes every outline thinner than 0.003 m' in text
+    assert len(load_scene(tmp_path / "wall.toml").blocks) == len(bricks) + 2
+    (tmp_path / "own.toml").write_text(text.replace('unit      = "m"', ""))
+    with pytest.raises(
+        SceneError, match=r"4 outlines are thinner than the tolerance, where one unit of the file is .* m; state another `unit`"
+    ):
+        load_scene(tmp_path / "own.toml")

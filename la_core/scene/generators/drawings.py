@@ -142,6 +142,11 @@ def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
     """Why a drawing holds no outline of a block: what is open, what encloses nothing, and what was not read."""
     if clean.open_outlines:
         return open_words(clean.open_outlines)
+    if clean.specks:
+        one = f"one unit of the file is {drawn.unit:g} m"
+        return (
+            f"{clean.specks} outlines are thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
+        )
     unread = ", ".join(f"{count} {kind}" for kind, count in drawn.ignored.items())
     return f"it has {len(clean.idle)} lines that enclose nothing" + (f"; not read: {unread}" if unread else "")
 
