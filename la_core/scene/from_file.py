@@ -14,7 +14,7 @@ import shapely
 from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
 from la_core.errors import SceneError, extra_hint
 from la_core.scene.generators.drawings import nothing_found
-from la_core.scene.generators.mesh import mesh_blocks, read_files
+from la_core.scene.generators.mesh import MOST_DENT, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
@@ -240,7 +240,7 @@ def _joint_width(clean: Cleaned) -> float:
 
 def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     table = Mesh(file=str(place))
-    bodies = mesh_blocks(table, read_files(table, folder))
+    bodies = mesh_blocks(table, read_files(table, folder), MOST_DENT)  # the scene's tolerance can be raised
     vertices = np.concatenate([body.shape.vertices for body in bodies])
     scale = 1e-3 if float(np.ptp(vertices, axis=0).max()) > LARGEST_SIZE else 1.0
     lists = {key: [body.name for body in bodies if _list_of(body.name) == key] for key in ("ground", "support")}

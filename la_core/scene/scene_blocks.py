@@ -71,7 +71,7 @@ class Tables:
         elif kind == "mesh":
             content = read_files(table, folder)
             self.files += content
-            yield from mesh_blocks(table, content)
+            yield from mesh_blocks(table, content, tolerance)
         elif kind == "drawing":
             self.files.append(read_drawing(table, folder))
             blocks, became = drawing_blocks(table, self.files[-1], tolerance)

@@ -115,7 +115,7 @@ def _mesh_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None
     def attempt(chance: random.Random) -> None:
         is_text = b"\0" not in content
         damaged = mutated_text(content, content, chance) if is_text and chance.random() < 0.7 else mutated_bytes(content, chance)
-        mesh_blocks(table, [MeshFile(PurePosixPath(table.file), damaged, of_folder=False)])
+        mesh_blocks(table, [MeshFile(PurePosixPath(table.file), damaged, of_folder=False)], 0.0)
 
     return attempt
 

@@ -29,6 +29,7 @@ from mesh_files import (
 )
 
 from la_core.errors import SceneError
+from la_core.scene import scene_from_file
 from la_core.scene.generators import mesh, mesh_surface
 from la_core.scene.scene import load_scene
 
@@ -43,10 +44,10 @@ def pyramid_dent(depth: float) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
     return np.vstack([CUBE, [0.5, 0.5, 1.0 - depth]]), (BOX_FACES[0], *BOX_FACES[2:], *top)
 
 
-def folded_roof() -> tuple[Corners, tuple[tuple[int, ...], ...]]:
-    """A cube with two corners of its top raised by 0.2 and the diagonal that makes a valley, 0.2 / sqrt(1.08) below the ridge's planes."""
+def folded_roof(rise: float = 0.2) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
+    """A cube with two corners of its top raised and the diagonal that makes a valley below the ridge's planes."""
     vertices = CUBE.copy()
-    vertices[[5, 7], 2] += 0.2
+    vertices[[5, 7], 2] += rise
     return vertices, (BOX_FACES[0], (4, 5, 6), (4, 6, 7), *(t for a, b, c, d in BOX_FACES[2:] for t in ((a, b, c), (a, c, d))))
 
 
@@ -88,6 +89,31 @@ def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
     faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *rim]
     with pytest.raises(ValueError, match=r"is folded: its faces enclose 0\.00025 of the volume of its convex hull"):
         mesh_surface.convex_shape(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
+
+
+@pytest.mark.parametrize("body", [pyramid_dent(0.002), folded_roof(0.002)], ids=["a dent", "a warped top"])
+def test_a_dent_within_the_tolerance_is_filled(body: tuple[Corners, tuple[tuple[int, ...], ...]], tmp_path: Path) -> None:
+    path = written(tmp_path, "warped.obj", obj({"stone": body[0]}, body[1]), fixed=[])
+    assert "; [geometry] tolerance fills dents that are no deeper than it" in refusal(path)
+    filled = mesh_surface.convex_shape(mesh_surface.surface("stone", *body), 0.003)
+    assert len(filled.faces) == len(BOX_FACES) and len(filled.vertices) == len(CUBE)
+    with pytest.raises(ValueError, match="is not convex"):
+        mesh_surface.convex_shape(mesh_surface.surface("stone", *body), 0.001)
+
+
+def test_a_body_of_which_a_file_has_every_face_twice_is_read_once() -> None:
+    twice = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, [*BOX_FACES, *(np.roll(face, 1).tolist() for face in BOX_FACES)]))
+    assert twice.faces == mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, BOX_FACES)).faces
+
+
+def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(tmp_path: Path) -> None:
+    dented = pyramid_dent(0.01)
+    (tmp_path / "dented.obj").write_text(obj({"stone": dented[0]}, dented[1]))
+    scene = tmp_path / "dented.toml"
+    scene.write_text(scene_from_file(tmp_path / "dented.obj", tmp_path))
+    assert "lies 0.01 m below its convex hull; [geometry] tolerance fills dents" in refusal(scene)
+    scene.write_text(scene.read_text().replace("tolerance = 0.003", "tolerance = 0.011"))
+    assert load_scene(scene).blocks.names[-1] == "stone"
 
 
 def test_an_inverted_body_is_the_same_body() -> None:

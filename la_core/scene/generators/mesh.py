@@ -11,10 +11,12 @@ import scipy
 
 from la_core.errors import SceneError, extra_hint, nearest
 from la_core.scene.generators.mesh_formats import surfaces
-from la_core.scene.generators.mesh_surface import Surface, convex_shape
+from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, convex_shape
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.mesh import FOLDER_FORMATS, FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE, LONGEST_NAME, MOST_BLOCKS
+
+__all__ = ["MOST_DENT", "MeshFile", "mesh_blocks", "read_files"]
 
 
 @dataclass(frozen=True)
@@ -75,15 +77,18 @@ def _content(mesh: Mesh, path: Path, largest: int) -> bytes:
     return content
 
 
-def mesh_blocks(mesh: Mesh, files: list[MeshFile]) -> list[NamedShape]:
-    """Blocks of a mesh table from the contents of its files, in order; a SceneError names file, body and defect."""
+def mesh_blocks(mesh: Mesh, files: list[MeshFile], tolerance: float) -> list[NamedShape]:
+    """Blocks of a mesh table from the contents of its files, in order; a SceneError names file, body and defect.
+
+    tolerance: largest error of the coordinates, m; 0 for none.
+    """
     bodies = [(file, surface) for file in files for surface in _surfaces(mesh, file)]
     if not bodies:
         raise SceneError(_where(mesh), "contains no body with faces")
     if len(bodies) > MOST_BLOCKS:
         raise SceneError(_where(mesh), f"contains {len(bodies)} bodies; at most {MOST_BLOCKS} are allowed")
     roles = _roles(mesh, [surface for _, surface in bodies])
-    return list(_shapes(mesh, bodies, roles))
+    return list(_shapes(mesh, bodies, roles, tolerance))
 
 
 def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
@@ -96,7 +101,7 @@ def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
         raise SceneError(f'mesh "{file.path}"', str(error)) from error
 
 
-def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]) -> Iterator[NamedShape]:
+def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str], tolerance: float) -> Iterator[NamedShape]:
     turn = np.eye(3) if mesh.turn is None else _rotation(mesh)
     for (file, surface), role in zip(bodies, roles, strict=True):
         where, name = f'mesh "{file.path}": body "{surface.name}"', f"{mesh.name} {surface.name}".strip()
@@ -104,7 +109,7 @@ def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]
             raise SceneError(where, f"a body's name must be printable text of at most {LONGEST_NAME} characters")
         placed = replace(surface, vertices=mesh.scale * surface.vertices @ turn.T + np.array(mesh.shift))
         try:
-            yield NamedShape(name, role, mesh.density, convex_shape(placed))
+            yield NamedShape(name, role, mesh.density, convex_shape(placed, tolerance))
         except ValueError as error:
             raise SceneError(where, str(error)) from error
 

@@ -1,5 +1,6 @@
 """A surface from a file, and the check that it encloses one convex body."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,6 +16,7 @@ from la_core.text_table import place_text
 
 WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
 MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
+MOST_DENT = 0.02  # m: an error of the coordinates is smaller
 FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
 
 
@@ -61,8 +63,8 @@ def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], hel
     return Surface(name, vertices[used], tuple(tuple(loop.tolist()) for loop in loops), held)
 
 
-def convex_shape(body: Surface) -> Shape:
-    """Turn a surface into a convex shape with plane faces.
+def convex_shape(body: Surface, tolerance: float = 0.0) -> Shape:
+    """Turn a surface into a convex shape with plane faces; dents of no more than the tolerance (m) are filled.
 
     Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
     """
@@ -78,8 +80,9 @@ def convex_shape(body: Surface) -> Shape:
         shape = polyhedron(vertices.tolist())
     except ValueError as error:
         raise ValueError("is degenerate: it has no volume") from error
-    _refuse_dents(vertices, triangles, faces)
-    return shape
+    size = float(np.ptp(vertices, axis=0).max())
+    deepest = _deepest_dent(vertices, triangles, faces, tolerance)
+    return shape if deepest <= FACE_FLATNESS * size else polyhedron(vertices.tolist(), 2.0 * deepest / size)
 
 
 def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
@@ -92,9 +95,20 @@ def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
     first = np.unique(group, return_index=True)[1]
     loops = [group[number.ravel()[list(face)]] for face in body.faces]
     faces = [loop[loop != np.roll(loop, 1)] for loop in loops]
-    faces = [face for face in faces if len(face) >= 3]
+    faces = _once([face for face in faces if len(face) >= 3])
     fans = [(face[0], second, third) for face in faces for second, third in pairwise(face[1:])]
     return points[first], np.array(fans, dtype=int).reshape(-1, 3), faces
+
+
+def _once(faces: list[np.ndarray]) -> list[np.ndarray]:
+    """The faces, or the first of each where the file has every face several times."""
+    first: dict[tuple[int, ...], np.ndarray] = {}
+    count: Counter[tuple[int, ...]] = Counter()
+    for face in faces:
+        corners = tuple(np.roll(face, -int(np.argmin(face))).tolist())
+        first.setdefault(corners, face)
+        count[corners] += 1
+    return list(first.values()) if count and min(count.values()) > 1 else faces
 
 
 def _groups(pairs: np.ndarray, count: int) -> np.ndarray:
@@ -114,7 +128,9 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
     _, edge, uses = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
     edge = edge.ravel()
     if np.any(uses == 1):
-        raise ValueError(f"is open: {np.sum(uses == 1)} of its {len(uses)} edges lack a partner")
+        raise ValueError(
+            f"is open: {np.sum(uses == 1)} of its {len(uses)} edges lack a partner; close its holes in the program that made it"
+        )
     if np.any(uses > 2):
         several = f"{np.sum(uses > 2)} of its {len(uses)} edges belong to more than two faces"
         raise ValueError(f"is not the surface of one body: {several}; give every body its own object, group or file")
@@ -127,8 +143,8 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
         raise ValueError(f"consists of {shells} separate shells; give every body its own object, group or file")
 
 
-def _refuse_dents(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray]) -> None:
-    """Raise ValueError for a closed surface that is not convex.
+def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> float:
+    """Depth (m) of a closed surface's deepest dent; raises ValueError where it is deeper than the tolerance (m), or the surface is folded.
 
     The vertices, edges and triangles of a convex surface lie on its convex hull, and it encloses the hull's volume.
     """
@@ -139,9 +155,18 @@ def _refuse_dents(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
     corners = points[triangles]
     on_surface = np.concatenate([points, edges, corners.mean(axis=1)])
     depth = -np.max(on_surface @ hull.equations[:, :3].T + hull.equations[:, 3], axis=1)
-    if depth.max() > FACE_FLATNESS:
+    deepest = size * float(depth.max())
+    if deepest > max(FACE_FLATNESS * size, tolerance):
         where = place_text((centre + size * on_surface[np.argmax(depth)]).tolist())
-        raise ValueError(f"is not convex: its deepest dent, near {where}, lies {size * depth.max():.3g} m below its convex hull")
+        raise ValueError(f"is not convex: its deepest dent, near {where}, lies {deepest:.3g} m below its convex hull{_advice(deepest)}")
     volume = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0
-    if abs(volume - hull.volume) > FOLDED * hull.volume:
+    filled = tolerance / size * hull.area if deepest > FACE_FLATNESS * size else 0.0
+    if abs(volume - hull.volume) > FOLDED * hull.volume + filled:
         raise ValueError(f"is folded: its faces enclose {volume / hull.volume:.3g} of the volume of its convex hull")
+    return deepest
+
+
+def _advice(dent: float) -> str:
+    if dent <= MOST_DENT:
+        return "; [geometry] tolerance fills dents that are no deeper than it"
+    return "; divide it into convex bodies, or draw it as a `prism` or in a drawing, which may have dents"
