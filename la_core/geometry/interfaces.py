@@ -6,6 +6,7 @@ most one, and so do the convex parts of two compound blocks.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import scipy
@@ -19,7 +20,7 @@ from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
 NO_GAP = 1e-9  # m
-MOST_NAMED = 4  # overlaps that one message names
+MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and of which it says how deep they are
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
@@ -160,18 +161,18 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     """Raise SceneError for blocks that overlap: the first pair, and others that a reader can mend with it."""
     found: dict[tuple[str, str], tuple[float, tuple[float, float, float]]] = {}
     is_hole = False
-    for a, b, depth, middle in overlaps(blocks, pairs, tolerance):
+    for a, b, depth, middle in islice(overlaps(blocks, pairs, tolerance), MOST_SOUGHT):
         if not found:
             inset = np.concatenate([blocks.low[b] - blocks.low[a], blocks.high[a] - blocks.high[b]])
             is_hole = bool((inset >= 0.0).all() or (inset <= 0.0).all())  # one lies within the other
         found.setdefault((blocks.names[a], blocks.names[b]), (depth, middle))
-        if len(found) > MOST_NAMED:
-            break
     if not found:
         return
     (pair, (depth, _)), *others = found.items()
     more = ", ".join(f'"{one}" and "{other}" by {far:.3g} m' for (one, other), (far, _) in others[: MOST_NAMED - 1])
-    rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}{', and others' if len(others) >= MOST_NAMED else ''}" if more else "")
+    rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}" if more else "")
+    if unnamed := [far for _, (far, _) in others[MOST_NAMED - 1 :]]:  # the deepest says which tolerance would remove all
+        rule += f", and {len(unnamed)} other{'s' * (len(unnamed) > 1)} by up to {max(unnamed):.3g} m"
     hint = "blocks may touch but not share volume"
     if depth <= MOST_MORTAR:
         hint += "; [geometry] tolerance removes overlaps of up to twice the tolerance"
@@ -182,7 +183,7 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
         rule,
         hint=hint,
         blocks=pair,
-        spots=[middle for _, middle in found.values()],
+        spots=[middle for _, middle in found.values()][: MOST_NAMED + 1],
     )
 
 

@@ -186,3 +186,11 @@ def test_inset_larger_than_an_interface_names_the_pair(inset, plane) -> None:
     with pytest.raises(SceneError, match=rule):
         assemble(scenes.build(*parts, inset=inset, live=(1.0, 0.0, 0.0), plane=plane))
     assemble(scenes.build(*parts, inset=0.04999, live=(1.0, 0.0, 0.0), plane=plane))
+
+
+def test_of_many_overlaps_the_message_says_how_many_there_are_and_how_deep() -> None:
+    """Cubes in a row, each 1 mm farther into the one before: a tolerance must remove the deepest overlap, which is the last one."""
+    start = np.cumsum([0.0, *(1.0 - 0.001 * depth for depth in range(1, 8))])
+    row = [box((x, 0.0, 0.0), (x + 1.0, 1.0, 1.0)) for x in start]
+    with pytest.raises(SceneError, match=r'so do "b" and "c" by 0\.002 m, .*"d" and "e" by 0\.004 m, and 3 others by up to 0\.007 m;'):
+        find_interfaces(gathered(*row))
