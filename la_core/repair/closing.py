@@ -191,7 +191,8 @@ def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: fl
     if not ball.success or ball.x[3] <= least:
         return None
     try:
-        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
+        with np.errstate(divide="ignore", invalid="ignore"):  # planes that enclose no body meet at infinity
+            found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
         # The planes are exact: a cut that takes little off a corner must not tilt the face beside it.
         return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist(), flatness=PLANE)
     except (scipy.spatial.QhullError, ValueError):

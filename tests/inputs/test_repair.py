@@ -12,6 +12,7 @@ from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
 from la_core.limit.problem import Drive
+from la_core.repair import closing
 from la_core.scene import Scene
 
 LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
@@ -198,3 +199,10 @@ def test_no_stone_keeps_a_corner_between_two_faces_that_came_onto_one_plane(seed
     level = same_block & (parts.face_normal @ parts.face_normal.T > 1.0 - 1e-7)
     assert not np.triu(level, 1).any()
     assert parts.volume.sum() == pytest.approx(true.blocks.volume.sum(), rel=1e-3)
+
+
+@pytest.mark.filterwarnings("error")
+def test_planes_that_enclose_no_body_leave_nothing_and_bring_no_warning() -> None:
+    """A wedge that is open at its wide end."""
+    normal = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-0.04, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    assert closing._between(normal, np.array([0.0, 0.4, 0.0, 0.0]), np.array([10.0, 0.2, -0.2]), 1e-9) is None
