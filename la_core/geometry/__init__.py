@@ -2,6 +2,7 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks, Held
+from la_core.geometry.division import without_straight_corners
 from la_core.geometry.edge_contacts import edge_contacts
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons, opposite_faces
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
@@ -45,4 +46,5 @@ __all__ = [
     "prism",
     "shapes",
     "without_slivers",
+    "without_straight_corners",
 ]

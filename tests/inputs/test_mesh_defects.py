@@ -27,8 +27,11 @@ from mesh_files import (
     wall,
     written,
 )
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
+from la_core.geometry import prism
 from la_core.scene import scene_from_file
 from la_core.scene.generators import mesh, mesh_surface
 from la_core.scene.scene import load_scene
@@ -88,22 +91,58 @@ def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
     rim = [(a, b, b + 8, a + 8) for a, b in ((4, 5), (5, 6), (6, 7), (7, 4))]
     faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *rim]
     with pytest.raises(ValueError, match=r"is folded: its faces enclose 0\.00025 of the volume of its convex hull"):
-        mesh_surface.convex_shape(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
+        mesh_surface.shape_of(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
+
+
+def quoin(middle: bool) -> tuple[Corners, list[tuple[int, ...]]]:
+    """A prism of an L, 0.5 deep; in the middle of its depth, its sides may be divided."""
+    profile = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.4], [0.3, 0.4], [0.3, 1.0], [0.0, 1.0]])
+    rows = [0.0, 0.2, 0.5] if middle else [0.0, 0.5]
+    vertices = np.array([[x, y, z] for y in rows for x, z in profile])
+    n, last = len(profile), len(profile) * (len(rows) - 1)
+    sides = [(r + (k + 1) % n, r + k, r + k + n, r + (k + 1) % n + n) for r in range(0, last, n) for k in range(n)]
+    ends = [(0, 1, 2, 3), (0, 3, 4, 5), *((last + d, last + c, last + b, last + a) for a, b, c, d in ((0, 1, 2, 3), (0, 3, 4, 5)))]
+    return vertices, [*ends, *sides]
+
+
+@pytest.mark.parametrize("middle", [False, True])
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+def test_a_prism_with_dents_is_the_block_that_its_profile_makes(middle: bool, degrees: float) -> None:
+    vertices, faces = quoin(middle)
+    turn = Rotation.from_euler("zx", [degrees, degrees], degrees=True).as_matrix()
+    read = mesh_surface.shape_of(mesh_surface.surface("quoin", vertices @ turn.T, faces))
+    typed = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 0.4), (0.3, 0.4), (0.3, 1.0), (0.0, 1.0)], (0.0, 0.5))
+    assert len(read.parts) == len(typed.parts) == 2
+    volume = [sorted(ConvexHull(part.vertices).volume for part in shape.parts) for shape in (read, typed)]
+    assert sum(volume[0]) == pytest.approx(sum(volume[1])) == pytest.approx(0.5 * 0.58)
+    corner = np.linalg.norm((read.vertices @ turn)[:, None] - vertices[[*range(6), *range(-6, 0)]], axis=2)
+    assert corner.min(axis=0).max() < 1e-5
+
+
+def test_a_prism_with_a_hole_is_refused() -> None:
+    """A frame: the ends are squares around a square."""
+    outer, inner = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), corners((0.2, 0.2, 0.0), (0.8, 0.8, 1.0))
+    ring = [(k, (k + 1) % 4, (k + 1) % 4 + 8, k + 8) for k in range(4)]
+    sides = list(BOX_FACES[2:])
+    faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *(face[::-1] for face in ring)]
+    faces += [tuple(k + 4 for k in face) for face in ring]
+    with pytest.raises(ValueError, match=r"is not convex: .* only a prism may have dents; divide the body into convex ones"):
+        mesh_surface.shape_of(mesh_surface.surface("frame", np.vstack([outer, inner]), faces))
 
 
 @pytest.mark.parametrize("body", [pyramid_dent(0.002), folded_roof(0.002)], ids=["a dent", "a warped top"])
 def test_a_dent_within_the_tolerance_is_filled(body: tuple[Corners, tuple[tuple[int, ...], ...]], tmp_path: Path) -> None:
     path = written(tmp_path, "warped.obj", obj({"stone": body[0]}, body[1]), fixed=[])
     assert "; [geometry] tolerance fills dents that are no deeper than it" in refusal(path)
-    filled = mesh_surface.convex_shape(mesh_surface.surface("stone", *body), 0.003)
+    filled = mesh_surface.shape_of(mesh_surface.surface("stone", *body), 0.003)
     assert len(filled.faces) == len(BOX_FACES) and len(filled.vertices) == len(CUBE)
     with pytest.raises(ValueError, match="is not convex"):
-        mesh_surface.convex_shape(mesh_surface.surface("stone", *body), 0.001)
+        mesh_surface.shape_of(mesh_surface.surface("stone", *body), 0.001)
 
 
 def test_a_body_of_which_a_file_has_every_face_twice_is_read_once() -> None:
-    twice = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, [*BOX_FACES, *(np.roll(face, 1).tolist() for face in BOX_FACES)]))
-    assert twice.faces == mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, BOX_FACES)).faces
+    twice = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, [*BOX_FACES, *(np.roll(face, 1).tolist() for face in BOX_FACES)]))
+    assert twice.faces == mesh_surface.shape_of(mesh_surface.surface("b", CUBE, BOX_FACES)).faces
 
 
 def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(tmp_path: Path) -> None:
@@ -118,8 +157,8 @@ def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(
 
 def test_an_inverted_body_is_the_same_body() -> None:
     """All faces turned inwards is a matter of convention, not a defect."""
-    inward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
-    outward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, BOX_FACES))
+    inward = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
+    outward = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, BOX_FACES))
     assert inward.faces == outward.faces
 
 

@@ -11,7 +11,7 @@ import scipy
 
 from la_core.errors import SceneError, extra_hint, nearest
 from la_core.scene.generators.mesh_formats import surfaces
-from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, convex_shape
+from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, shape_of
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.mesh import FOLDER_FORMATS, FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE, LONGEST_NAME, MOST_BLOCKS
@@ -109,7 +109,7 @@ def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]
             raise SceneError(where, f"a body's name must be printable text of at most {LONGEST_NAME} characters")
         placed = replace(surface, vertices=mesh.scale * surface.vertices @ turn.T + np.array(mesh.shift))
         try:
-            yield NamedShape(name, role, mesh.density, convex_shape(placed, tolerance))
+            yield NamedShape(name, role, mesh.density, shape_of(placed, tolerance))
         except ValueError as error:
             raise SceneError(where, str(error)) from error
 

@@ -1,4 +1,4 @@
-"""A surface from a file, and the check that it encloses one convex body."""
+"""A surface from a file, and the check that it encloses one body: convex, or a prism of any profile."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
+import shapely
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from la_core.geometry import FACE_FLATNESS, Shape, polyhedron
+from la_core.geometry import FACE_FLATNESS, Shape, divided_loft, plane_axes, polyhedron, without_straight_corners
 from la_core.scene.schema.types import LARGEST
 from la_core.text_table import place_text
 
@@ -63,8 +64,10 @@ def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], hel
     return Surface(name, vertices[used], tuple(tuple(loop.tolist()) for loop in loops), held)
 
 
-def convex_shape(body: Surface, tolerance: float = 0.0) -> Shape:
-    """Turn a surface into a convex shape with plane faces; dents of no more than the tolerance (m) are filled.
+def shape_of(body: Surface, tolerance: float = 0.0) -> Shape:
+    """Turn a surface into a convex shape with plane faces, or into a compound where it is a prism of a profile with dents.
+
+    Dents of no more than the tolerance (m) are filled.
 
     Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
     """
@@ -81,7 +84,12 @@ def convex_shape(body: Surface, tolerance: float = 0.0) -> Shape:
     except ValueError as error:
         raise ValueError("is degenerate: it has no volume") from error
     size = float(np.ptp(vertices, axis=0).max())
-    deepest = _deepest_dent(vertices, triangles, faces, tolerance)
+    try:
+        deepest = _deepest_dent(vertices, triangles, faces, tolerance)
+    except ValueError:
+        if (prism := _prism(vertices, triangles, faces)) is None:
+            raise
+        return prism
     return shape if deepest <= FACE_FLATNESS * size else polyhedron(vertices.tolist(), 2.0 * deepest / size)
 
 
@@ -166,7 +174,35 @@ def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
     return deepest
 
 
+def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray]) -> Shape | None:
+    """The body as a prism: faces in two parallel planes fill the same outline without holes, and all other corners lie around it."""
+    size = float(np.ptp(vertices, axis=0).max())
+    slack = FACE_FLATNESS * size
+    corners = vertices[triangles] - vertices[0]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(area, axis=1)
+    order = np.argsort(-length, kind="stable")[: np.count_nonzero(length > slack**2)]
+    volume = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0
+    for normal in area[order] / length[order, None]:  # the largest triangle of an end gives its plane best
+        height, axes = vertices @ normal, np.concatenate(plane_axes(normal[None]))
+        flat, (low, high) = vertices @ axes.T, (float(height.min()), float(height.max()))
+        sides = [[shapely.Polygon(flat[face]) for face in faces if np.abs(height[face] - at).max() <= slack] for at in (high, low)]
+        if not all(shapely.is_valid(side).all() for side in sides):
+            continue
+        ends = [shapely.union_all(side, grid_size=WELD * size) for side in sides]
+        if any(end.geom_type != "Polygon" or end.is_empty or len(end.interiors) for end in ends):
+            continue
+        between = shapely.points(flat[(height > low + slack) & (height < high - slack)])
+        is_same = shapely.area(shapely.symmetric_difference(*ends)) <= FACE_FLATNESS * ends[0].area
+        is_whole = abs(ends[0].area * (high - low) - volume) <= FOLDED * volume
+        if is_same and is_whole and np.all(shapely.distance(between, ends[0].exterior) <= slack):
+            outline = shapely.get_coordinates(shapely.orient_polygons(ends[0]).exterior)[:-1]
+            front = without_straight_corners(outline) @ axes + high * normal
+            return divided_loft(front, front - (high - low) * normal, normal)
+    return None
+
+
 def _advice(dent: float) -> str:
     if dent <= MOST_DENT:
         return "; [geometry] tolerance fills dents that are no deeper than it"
-    return "; divide it into convex bodies, or draw it as a `prism` or in a drawing, which may have dents"
+    return "; only a prism may have dents; divide the body into convex ones"

@@ -33,7 +33,7 @@ class Turn(Table):
 
 
 class Mesh(Table):
-    """Convex bodies read from a file or a folder; scaled to m first, then turned about the origin, then shifted.
+    """Convex bodies and prisms of any profile from a file or a folder; scaled to m first, then turned about the origin, then shifted.
 
     `fixed` and `support` are shell-style patterns of the names that the bodies have in the file; all others are free.
     """
