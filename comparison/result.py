@@ -1,6 +1,7 @@
 """Both methods from Python: run a scene or read stored results, look at the verdict, draw and report."""
 
 import base64
+import copy
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from comparison.progress import narration
 from comparison.provenance import describe
 from comparison.report import export_results, predicted_value, write_report
 from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, folder_of_results, refuse_name
-from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, mark_of, stored_check, verdict_cells, verdict_title
+from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
@@ -33,8 +34,6 @@ class Result(Tabled):
     ----------
     folder : Path
         Folder of the scene's results, as an absolute path.
-    summary : dict of str to Any
-        Content of comparison.json.
     answer : Answer
         Results of limit analysis.
     yade : Run or None
@@ -42,9 +41,14 @@ class Result(Tabled):
     """
 
     folder: Path
-    summary: dict[str, Any]
+    _summary: dict[str, Any]
     answer: Answer
     yade: Run | None
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Content of comparison.json, as a copy."""
+        return copy.deepcopy(self._summary)
 
     @property
     def scene(self) -> Scene:
@@ -54,27 +58,27 @@ class Result(Tabled):
     @property
     def verdict(self) -> Verdict | None:
         """Verdict on the whole comparison; None without any check."""
-        return Verdict(self.summary["verdict"]) if self.summary["verdict"] else None
+        return Verdict(self._summary["verdict"]) if self._summary["verdict"] else None
 
     @property
     def reason(self) -> str:
         """Reason of the verdict in sentences; "" where both methods agree."""
-        return str(self.summary["reason"])
+        return str(self._summary["reason"])
 
     @property
     def next_step(self) -> str:
         """What to do next, in sentences; "" where both methods agree, or where nothing was compared."""
-        return str(self.summary.get("next_step") or "")
+        return str(self._summary.get("next_step") or "")
 
     @property
     def checks(self) -> tuple[Check, ...]:
         """All checks of the comparison, each with its numbers, tolerance and verdict; they show themselves as a table."""
-        return Checks(map(stored_check, self.summary["checks"]))
+        return Checks(map(stored_check, self._summary["checks"]))
 
     @property
     def predicted(self) -> float:
         """Value of limit analysis that YADE is compared with (N, N m, multiplier), at the inset of both methods; NaN without one."""
-        return predicted_value(self.summary)
+        return predicted_value(self._summary)
 
     def plot(self, name: str = "mechanisms") -> Picture:
         """Draw one figure of the report.
@@ -123,12 +127,7 @@ class Result(Tabled):
         return write_report(self.folder.parent, [result.summary for result in (self, *others)], describe())
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        *cells, own_seconds, yade_seconds = verdict_cells(self.summary)
-        return (
-            verdict_title({self.summary["unit"]}),
-            VERDICT_HEADINGS,
-            [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]],
-        )
+        return verdict_title({self._summary["unit"]}), VERDICT_HEADINGS, [verdict_cells(self._summary)]
 
     def __repr__(self) -> str:
         return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)

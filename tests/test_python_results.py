@@ -1,13 +1,16 @@
 """Runs, campaigns, studies, exports and animations are made, read, shown and refused from Python."""
 
+import copy
 import dataclasses
 import math
 import os
+import pickle
 import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from figure_scenes import synthetic_run
@@ -107,6 +110,24 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     with pytest.raises(ValueError, match="one folder"):
         result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
     assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
+
+
+def test_what_a_result_hands_out_changes_no_result(any_result: comparison.Result) -> None:
+    before = any_result.verdict
+    any_result.summary.update(verdict="disagree")
+    any_result.summary["checks"].clear()
+    assert any_result.verdict == before and any_result.checks and any_result.summary["verdict"] == before
+
+
+SAME_PART = {"made": dataclasses.replace, "copied": copy.deepcopy, "unpickled": lambda part: pickle.loads(pickle.dumps(part))}
+
+
+@pytest.mark.parametrize("same", SAME_PART.values(), ids=SAME_PART)
+def test_a_record_of_yade_cannot_be_changed(same: Callable[[Any], Any]) -> None:
+    run = synthetic_run(la_core.solve("two_pads").analysis)
+    for array in (same(run.record).reaction, same(run.poses).displacement):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
 
 
 def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> None:
@@ -235,7 +256,7 @@ def test_the_prediction_of_sharp_edges_is_that_of_the_inset_of_both_methods(tmp_
     result = comparison.run(sharp, tmp_path, yade=False, quiet=True)
     shared = result.summary["limit_analysis"]["coulomb"]["shared_inset"]
     assert result.predicted == shared["reaction"] > result.answer.coulomb
-    assert math.isnan(dataclasses.replace(result, summary={"limit_analysis": {"associated": {}, "coulomb": None}}).predicted)
+    assert math.isnan(dataclasses.replace(result, _summary={"limit_analysis": {"associated": {}, "coulomb": None}}).predicted)
 
 
 def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.numbers import percent
-from comparison.verdict import VERDICT_HEADINGS, Check, check_words, mark_of, verdict_cells, verdict_title
+from comparison.verdict import VERDICT_HEADINGS, Check, check_words, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import OVER_WEIGHT, number_text, over_weight
@@ -141,9 +141,8 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     table = new_table(*VERDICT_HEADINGS, title=verdict_title({comparison["unit"] for comparison in comparisons}))
     _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
     for comparison in comparisons:
-        scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
-        verdict = coloured(mark_of(comparison["verdict"]), comparison["verdict"])
-        table.add_row(plain(scene), *values, verdict, limit_seconds, yade_seconds)
+        scene, *values, verdict, limit_seconds, yade_seconds = verdict_cells(comparison)
+        table.add_row(plain(scene), *values, coloured(verdict, comparison["verdict"]), limit_seconds, yade_seconds)
     return table
 
 

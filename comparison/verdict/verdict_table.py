@@ -46,7 +46,7 @@ def verdict_title(units: Collection[str]) -> str:
 
 
 def verdict_cells(comparison: dict[str, Any]) -> list[str]:
-    """Return the cells of a row of the verdict table, without the verdict itself. comparison: the content of `comparison.json`."""
+    """Return the cells of a row of the verdict table, as VERDICT_HEADINGS has them. comparison: the content of `comparison.json`."""
     answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
     coulomb = comparison["limit_analysis"]["coulomb"] or {}
     shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb)
@@ -67,4 +67,4 @@ def verdict_cells(comparison: dict[str, Any]) -> list[str]:
     if yade and yade["status"] != "plateau":
         values[3] = yade["status"]
     seconds = [number_text(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number_text(yade.get("seconds"), 2)]
-    return [comparison["scene"], *values, *seconds]
+    return [comparison["scene"], *values, mark_of(comparison["verdict"]), *seconds]

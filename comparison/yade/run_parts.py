@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from la_core.geometry import Held
+
 NAN = float("nan")
 STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
@@ -42,8 +44,8 @@ class _Named:
         return vars(self).items()
 
 
-class _Series(_Named):
-    """Arrays with one row for each instant, which show their names and their number instead of all values."""
+class _Series(_Named, Held):
+    """Read-only arrays with one row for each instant, which show their names and their number instead of all values."""
 
     def __repr__(self) -> str:
         first = next(iter(vars(self).values()))

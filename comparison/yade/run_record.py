@@ -18,8 +18,8 @@ from la_core.text_table import dataframe
 class Run:
     """YADE's record of a run, read from `run.h5`; undefined numbers are NaN.
 
-    The arrays have T time samples, P stored states, B blocks and C contact points. `la_core.exchange.RUN_FIELDS` lists
-    all names, shapes and units.
+    The arrays have T time samples, P stored states, B blocks and C contact points; those of `record` and `poses` are read-only.
+    `la_core.exchange.RUN_FIELDS` lists all names, shapes and units.
 
     Attributes
     ----------

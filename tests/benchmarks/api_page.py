@@ -63,10 +63,11 @@ def entries(text: str) -> list[Entry]:
 
 
 def fields_of(thing: type) -> list[str]:
-    """Names of a class that its docstring describes: members of an enumeration, fields of a dataclass."""
+    """Names of a class that its docstring describes: members of an enumeration, public fields of a dataclass."""
     if issubclass(thing, enum.Enum):
         return list(thing.__members__)
-    return [field.name for field in dataclasses.fields(thing)] if dataclasses.is_dataclass(thing) else []
+    fields = dataclasses.fields(thing) if dataclasses.is_dataclass(thing) else ()
+    return [field.name for field in fields if not field.name.startswith("_")]
 
 
 def members_of(thing: type, kind: type) -> dict[str, Any]:

@@ -60,8 +60,8 @@ def test_energy_that_hardly_anything_turned_over_is_noise(least: float, verdict:
     record = {name: np.zeros(5) for name in ("kinetic_energy", "reaction")} | {"settlement": run.poses.settlement}
     stiffness = {"normal_stiffness": analysis.stiffness.normal, "shear_stiffness": analysis.stiffness.shear}
     recorded = made_up_run(record=record | {"stage": np.array([0, 1, 1, 1, 1])}).record
-    run = dataclasses.replace(run, record=recorded, settings=stiffness)
-    run.poses.forces[1:] *= 1.5  # forces that do not balance the weights: the work does not add up
+    forces = np.array([1.0, 1.5, 1.5, 1.5, 1.5])[:, None, None] * run.poses.forces  # do not balance the weights: the work does not add up
+    run = dataclasses.replace(run, record=recorded, poses=dataclasses.replace(run.poses, forces=forces), settings=stiffness)
     (check,) = energy.check_energy(analysis.assembly, run)
     assert check.verdict is verdict
 

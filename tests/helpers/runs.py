@@ -25,7 +25,10 @@ def made_up_run(
     poses: Mapping[str, np.ndarray] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Run:
-    """A run of these values by their names in run.h5; other numbers are NaN, other series and states empty. No block jumps by default."""
+    """A run of these values by their names in run.h5; other numbers are NaN, other series and states empty. No block jumps by default.
+
+    Tests may change its arrays in place, which no user can.
+    """
 
     def filled(kind: Any, given: Mapping[str, Any] | None, other: Any) -> Any:
         return kind(**{field.name: other for field in dataclasses.fields(kind)} | dict(given or {}))
@@ -34,7 +37,10 @@ def made_up_run(
     empty = np.zeros(0)
     if record is not None and "stage" in record:
         record = {"unbalanced": np.zeros(len(record["stage"]))} | dict(record)
-    return Run(ended, filled(RunSeries, record, empty), filled(Poses, poses, empty), np.zeros((0, 2), dtype=int), dict(settings or {}))
+    run = Run(ended, filled(RunSeries, record, empty), filled(Poses, poses, empty), np.zeros((0, 2), dtype=int), dict(settings or {}))
+    for array in (*run.record.values(), *run.poses.values()):
+        array.setflags(write=True)
+    return run
 
 
 def with_answers(analysis: LimitAnalysis, **changes: Any) -> LimitAnalysis:
