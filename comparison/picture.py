@@ -91,6 +91,6 @@ def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = No
     if run is not None and run.poses.forces.shape[1:] != assembly.points.position.shape:
         raise SceneError("run", "must be the record of the answer's scene", hint="take the answer and the record of one result")
     drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
-    if chosen not in drawings:
+    if not isinstance(chosen, str) or chosen not in drawings:
         raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(str(chosen), drawings, "figures"))
     return Picture(drawings[chosen]())

@@ -126,7 +126,7 @@ def test_a_scene_may_be_given_by_its_name_or_its_file(tmp_path: Path) -> None:
     assert la_core.variant("two_pads", {"joint.friction": 0.3}).text == la_core.variant(scene, {"joint.friction": 0.3}).text
     assert la_core.load(scene) is scene
     for wrong in (3, None, {"joint": {}}, by_name):
-        with pytest.raises(la_core.SceneError, match=f"{type(wrong).__name__}.*must be a scene, the path of a scene file, or the name"):
+        with pytest.raises(la_core.SceneError, match=f"^scene: must be a scene, the path of .* it is of the type {type(wrong).__name__}$"):
             la_core.solve(wrong)
 
 

@@ -158,6 +158,8 @@ def test_a_record_of_another_scene_is_not_drawn_beside_an_answer() -> None:
     other = synthetic_run(la_core.solve("two_pads").analysis)
     with pytest.raises(la_core.SceneError, match="run: must be the record of the answer's scene; take the answer"):
         comparison.draw(la_core.solve("trilith"), "mechanisms", other)
+    with pytest.raises(la_core.SceneError, match=r"^assembly: must be that of the run, with as many blocks"):
+        other.plateau_wrenches(la_core.solve("trilith", bounds_only=True).analysis.assembly)
 
 
 def test_a_folder_is_no_file_of_a_figure_or_an_animation_and_no_scene(tmp_path: Path) -> None:
@@ -169,7 +171,9 @@ def test_a_folder_is_no_file_of_a_figure_or_an_animation_and_no_scene(tmp_path: 
         answer.plot().save(places[0])
     with pytest.raises(la_core.SceneError, match=r"x\.gif: is a folder"):
         comparison.animate(answer, places[1], quiet=True)
-    with pytest.raises(la_core.SceneError, match=r'^"": is a folder, not a scene file'):
+    with pytest.raises(la_core.SceneError, match="is a folder, not a scene file"):
+        la_core.load(tmp_path)
+    with pytest.raises(la_core.SceneError, match=r'^"": names no scene; give the path'):
         la_core.load("")
 
 
@@ -264,7 +268,7 @@ def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
     answer = la_core.solve(pads, bounds_only=True)
     tables = tomllib.loads(pads.text)
     for call, words in (
-        (lambda: comparison.run(answer, tmp_path), "scene = 'Answer': must be a scene"),
+        (lambda: comparison.run(answer, tmp_path), "scene: must be a scene, .* of the type Answer"),
         (lambda: comparison.run(pads, tmp_path, time_limit="10"), "time_limit = '10': must be a positive number of seconds"),
         (lambda: comparison.run(la_core.variant(pads, {"joint.friction": 0.3}, "n" * 300), tmp_path), "longer than the 240 bytes"),
         (
@@ -277,6 +281,7 @@ def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
         (lambda: comparison.animate(pads, "a.gif"), "what = 'Scene': must be an answer"),
         (lambda: comparison.export(pads, tmp_path), "what = 'Scene': must be an answer"),
         (lambda: answer.plot(3), 'figure "3": unknown name'),
+        (lambda: answer.plot(["reaction"]), 'unknown name; did you mean "reaction"'),
         (lambda: la_core.variant(pads, [("joint.friction", 0.3)]), "changes = .* must be a table"),
         (lambda: la_core.build(tables, name=3), "name = 3: must be a text"),
         (lambda: la_core.build(None), "tables: must be a table"),

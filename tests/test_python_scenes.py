@@ -5,6 +5,7 @@ import dataclasses
 import operator
 import pickle
 import re
+import shutil
 import tomllib
 from collections.abc import Callable
 from decimal import Decimal
@@ -90,6 +91,42 @@ def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
         la_core.build({"joint": {"friction": None}})
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a Decimal has no place in a scene; give a number"):
         la_core.build({"joint": {"friction": Decimal("0.6")}})
+
+
+def test_a_table_that_contains_itself_is_refused_by_its_key() -> None:
+    table: dict[str, object] = {"density": 2000.0}
+    table["own"] = table
+    for call in (lambda: la_core.build({"stone": table}), lambda: la_core.variant("two_pads", {"stone": [table]})):
+        with pytest.raises(la_core.SceneError, match=r"^stone: must be at most \d+ tables and arrays deep; it may contain itself$"):
+            call()
+
+
+def test_half_of_a_character_is_refused_in_words() -> None:
+    with pytest.raises(la_core.SceneError, match=r"title = 'a\\ud800b': must be text that a file can hold; this one has half"):
+        la_core.variant("two_pads", {"title": "a\ud800b"})
+
+
+def test_the_text_of_a_scene_is_not_taken_for_its_path() -> None:
+    with pytest.raises(la_core.SceneError, match=r"`la_core\.build\(tomllib\.loads\(text\)\)`") as refused:
+        la_core.load(la_core.load("two_pads").text)
+    assert len(str(refused.value)) < 250
+
+
+@pytest.mark.parametrize("changes", [{"yade.speed": 0.0}, {"block[2].role": "fixed"}], ids=["yade", "role"])
+def test_every_fault_of_a_variant_names_what_it_is_a_variant_of(changes: dict[str, object]) -> None:
+    with pytest.raises(la_core.SceneError, match=r"^variant of two_pads: "):
+        la_core.variant("two_pads", changes)
+
+
+def test_variants_find_the_meshes_of_their_scene_wherever_the_program_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("rubble_wall.toml", "rubble_wall.obj"):
+        shutil.copy(shipped.FOLDER / name, tmp_path)
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    loaded, built = la_core.load("rubble_wall.toml"), la_core.build(tomllib.loads(Path("rubble_wall.toml").read_text()))
+    monkeypatch.chdir("elsewhere")
+    for scene in (loaded, built):
+        assert len(la_core.variant(scene, {"joint.friction": 0.5}).blocks) == len(loaded.blocks)
 
 
 def test_a_variant_keeps_what_its_changes_leave_true() -> None:

@@ -154,7 +154,16 @@ class Run:
         ndarray, shape (B, 6)
             Force and moment about the centroid, N and N m. Blocks and contact points stand where the run has moved them: a tall block that
             leans has other lever arms. Where a joint slides, the point is midway between its places on both blocks.
+
+        Raises
+        ------
+        SceneError
+            The assembly is that of another scene.
         """
+        sizes = self.poses.displacement.shape[1:2] + self.poses.forces.shape[1:2]
+        if sizes != (len(assembly.blocks), len(assembly.points)):
+            hint = "`result.answer.analysis.assembly` is that of `result.yade`"
+            raise SceneError("assembly", "must be that of the run, with as many blocks and contact points", hint=hint)
         stored = self._on_plateau()
         stored = stored if len(stored) else np.array([len(self.poses) - 1])
         position, centroid, (a, b) = assembly.points.position, assembly.blocks.centroid, assembly.contact_blocks

@@ -223,8 +223,8 @@ def load_scene(path: Path, name: str = "") -> Scene:
     return scene_of_text(reading.read_text(path), path, name or path.stem, counts_lines=True)
 
 
-def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) -> Scene:
-    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name.
+def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False, where: str = "") -> Scene:
+    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name unless they name `where`.
 
     counts_lines: whether messages name lines, because the text is that of a file.
     """
@@ -233,9 +233,9 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) 
     try:
         return _build(path, name, text, scene_file.SceneFile.model_validate(data), counted)
     except SceneError as error:
-        raise SceneError(str(path), str(error)) from error
+        raise SceneError(where or str(path), str(error)) from error
     except pydantic.ValidationError as error:
-        raise SceneError(str(path), str(as_scene_error(error, data, scene_file.SceneFile, counted))) from error
+        raise SceneError(where or str(path), str(as_scene_error(error, data, scene_file.SceneFile, counted))) from error
 
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:

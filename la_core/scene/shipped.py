@@ -1,5 +1,6 @@
 """The scenes that are part of the program, and commented ones from which users start their own."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from la_core.errors import SceneError, nearest
@@ -29,6 +30,8 @@ def names() -> list[str]:
 
 def find(scene: str) -> Path:
     """Path of a scene given by path, with or without `.toml`, or by a shipped scene's name; raises SceneError when there is neither."""
+    if not scene:
+        raise SceneError('""', "names no scene", hint="give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them")
     path = Path(scene)
     if path.suffix == ".toml" or path.is_file():
         return path
@@ -36,7 +39,7 @@ def find(scene: str) -> Path:
         if (complete := path.with_name(f"{path.name}.toml") if path.name else path).is_file():
             return complete
         if path.is_dir():
-            raise SceneError(scene or '""', "is a folder, not a scene file")
+            raise SceneError(scene, "is a folder, not a scene file")
         guess = nearest(scene, names(), "scenes")
         hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
         raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
@@ -71,8 +74,12 @@ def load(scene: Scene | Path | str) -> Scene:
         return scene
     if not isinstance(scene, Path | str):
         rule = "must be a scene, the path of a scene file, or the name of a shipped scene"
-        raise SceneError("scene", rule, value=type(scene).__name__)
-    return load_scene(find(str(scene)))
+        raise SceneError("scene", rule, hint=f"it is of the type {type(scene).__name__}")
+    if "\n" in str(scene):
+        hint = "for the text of a scene, `la_core.build(tomllib.loads(text))`"
+        raise SceneError("scene", "must be the path of a scene file, or the name of a shipped scene", value=scene, hint=hint)
+    loaded = load_scene(find(str(scene)))
+    return replace(loaded, path=loaded.path.absolute())  # its variants find their meshes wherever the program goes
 
 
 def starter_names() -> list[str]:

@@ -22,6 +22,7 @@ _RULES = {  # instead of pydantic's messages, which speak of Python
     "int_type": "must be a whole number",
     "model_type": "must be a table",
     "string_type": "must be text in quotes",
+    "string_unicode": "must be text that a file can hold; this one has half of a character, a lone surrogate",
     "too_long": "has too many entries, {actual_length} where at most {max_length} belong",
     "too_short": "has too few entries, {actual_length} where at least {min_length} belong",
     "tuple_type": "must be an array",

@@ -9,6 +9,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from la_core.scene.validation import as_scene_error
 # These may change without a new expected value.
 KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "yade", "expected")
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
+DEEPEST = 20  # tables and arrays within each other: a scene needs eight
 LONGEST_TITLE = 120  # characters of a title made so
 EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}
 FULL_SUFFIX = "_full"
@@ -67,7 +69,7 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     if not isinstance(name, str):
         raise SceneError("name", "must be a text", value=name)
     place = path_of("folder", folder)
-    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), place / f"{name}.toml", name)
+    return _built(_plain(dict(tables), ""), name, place)
 
 
 def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "") -> Scene:
@@ -113,7 +115,7 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     override(tables, plain, f"variant of {scene.name}")
     if changes and "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
-    return build(tables, name, scene.path.parent)
+    return _built(tables, name, scene.path.parent, f"variant of {scene.name}")
 
 
 def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene:
@@ -124,7 +126,7 @@ def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene
     tables = tomllib.loads(scene.text)
     for key, value in changes.items():
         key_paths.put(tables, key, _plain(value, str(key)))
-    return build(tables, name, scene.path.parent)
+    return _built(tables, name, scene.path.parent, f"variant of {scene.name}")
 
 
 def full_model(scene: Scene) -> Scene:
@@ -135,6 +137,12 @@ def full_model(scene: Scene) -> Scene:
     law, rotation = scene.effects.friction, scene.effects.rotation
     effects = EVERY_EFFECT | {"rotation": rotation} | ({"friction": law} if law in ("associated", "none-slides") else {})
     return same_structure(scene, {"effects": effects}, f"{scene.name}{FULL_SUFFIX}")
+
+
+def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> Scene:
+    """A scene of plain tables; messages name `where`, else its file. Its path is absolute: the program may go to another folder."""
+    made = scene_of_text(tomli_w.dumps(tables), folder / f"{name}.toml", name, where=where)
+    return replace(made, path=made.path.absolute())
 
 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
@@ -192,6 +200,8 @@ def _digest(text: str) -> str:
 
 def _plain(value: Any, key: str) -> Any:
     """A value in the types of TOML; raises SceneError for a value that TOML cannot express."""
+    if len(re.findall(r"[.\[]", key)) > DEEPEST:
+        raise SceneError(re.split(r"[.\[]", key)[0], f"must be at most {DEEPEST} tables and arrays deep; it may contain itself")
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist(), key)
     if isinstance(value, Mapping):
