@@ -30,8 +30,9 @@ from comparison.errors import StderrConsole
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.run_folder import folder_of_results
+from comparison.settings import MOST_WORKERS
 from comparison.verdict import mark_of
-from la_core.errors import SceneError, path_of, seconds_or_none, whole_number
+from la_core.errors import SceneError, path_of, seconds_or_none, true_or_false, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -178,14 +179,15 @@ def run_campaign(
         raise SceneError(
             "run_campaign", "is called while a worker process loads the script", hint='call it below `if __name__ == "__main__":`'
         )
-    count = cores() if workers is None else whole_number("workers", workers, 1)
+    count = cores() if workers is None else whole_number("workers", workers, 1, MOST_WORKERS)
+    asked, silent = true_or_false("yade", yade), true_or_false("quiet", quiet)
     limit = seconds_or_none("time_limit", time_limit)
     path = find_campaign(path_of("campaign", campaign))
     defined = definition.load_campaign(path)
     place = folder_of_results(default_folder(path) if folder is None else folder)
-    runs_yade = defined.file.yade and yade
+    runs_yade = defined.file.yade and asked
     whole = Campaign(defined, expand(defined), Path(os.path.realpath(place)), runs_yade, time_limit=limit)
-    with CampaignNarration(StderrConsole(quiet), defined.title) as narration:
+    with CampaignNarration(StderrConsole(silent), defined.title) as narration:
         return _result_of(run_cases(whole, Local(count, runs_yade), narration, write_campaign_report))
 
 

@@ -11,7 +11,7 @@ from comparison.errors import StderrConsole
 from comparison.numbers import format_number, plural, value_range
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
-from la_core.errors import visible
+from la_core.errors import true_or_false, visible
 from la_core.limit import Drive, Status
 from la_core.scene import Scene, tilt_angles
 from la_core.text_table import without_round_off
@@ -251,4 +251,4 @@ def _state(report: dict[str, Any]) -> str:
 
 def narration(quiet: bool) -> Narration:
     """Return a narration on standard error for a caller from Python; it prints nothing where it should be quiet."""
-    return Narration(StderrConsole(quiet))
+    return Narration(StderrConsole(true_or_false("quiet", quiet)))

@@ -18,7 +18,7 @@ from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, stored_
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
-from la_core.errors import SceneError, path_of, seconds_or_none, whole_number
+from la_core.errors import SceneError, path_of, seconds_or_none, true_or_false, whole_number
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
 from la_core.text_table import Tabled
@@ -182,12 +182,12 @@ def run(
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
     <Verdict.EXPECTED_MET: 'expected'>
     """
-    limit, chosen = seconds_or_none("time_limit", time_limit), load(scene)
+    limit, runs_yade, chosen = seconds_or_none("time_limit", time_limit), true_or_false("yade", yade), load(scene)
     refuse_name(chosen)
     scene_folder = folder_of_results(folder) / chosen.name
     with narration(quiet) as told:
         model = structural_model(chosen)
-        summary = run_scene(model, scene_folder, told, yade, limit)
+        summary = run_scene(model, scene_folder, told, runs_yade, limit)
     return _result(scene_folder, summary, model.assembly.interfaces)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from comparison.picture import Picture
 from comparison.progress import narration
+from comparison.settings import MOST_WORKERS
 from comparison.studies import (
     CostStudy,
     References,
@@ -18,7 +19,7 @@ from comparison.studies import (
     study_sensitivity,
 )
 from comparison.studies import sensitivity as sensitivity_study
-from la_core.errors import whole_number
+from la_core.errors import true_or_false, whole_number
 from la_core.scene import Scene, load
 from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text
 
@@ -165,9 +166,9 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False, work
     comparison.errors.YadeMissingError
         YADE is asked for and not installed.
     """
-    count = whole_number("workers", workers, 1)
+    count, runs_yade = whole_number("workers", workers, 1, MOST_WORKERS), true_or_false("yade", yade)
     with narration(quiet) as told:
-        study = study_cost(load(scene), yade, told, count)
+        study = study_cost(load(scene), runs_yade, told, count)
     stored = cost_dict(study)
     return CostResult(stored["rungs"], stored["references"], study)
 

@@ -76,6 +76,13 @@ def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> 
     return int(value)
 
 
+def true_or_false(where: str, value: Any) -> bool:
+    """The value of an argument that must be True or False; raises SceneError for any other, of which a text such as "no" would be true."""
+    if not (isinstance(value, bool) or type(value).__name__ in ("bool", "bool_")):  # the last are NumPy's
+        raise SceneError(where, "must be True or False", value=value)
+    return bool(value)
+
+
 def path_of(where: str, value: Any) -> Path:
     """The path that an argument gives; raises SceneError for a value that is no path."""
     if not isinstance(value, str | os.PathLike):

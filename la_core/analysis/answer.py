@@ -12,7 +12,7 @@ from la_core.analysis.result import LimitAnalysis, answer_values
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings, checked
 from la_core.analysis.stage import analyse
 from la_core.coulomb import CoulombSolution
-from la_core.errors import SceneError
+from la_core.errors import SceneError, true_or_false
 from la_core.limit import Drive, Solution, Status
 from la_core.measures import joint_rows
 from la_core.pictures import picture
@@ -231,7 +231,7 @@ def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = Fal
     >>> round(la_core.solve(pads).least_sharp / pads.weight, 6)
     0.166667
     """
-    scene = load(scene)
+    scene, path, bounds_only = load(scene), true_or_false("path", path), true_or_false("bounds_only", bounds_only)
     if path and scene.effects.friction not in ("auto", "coulomb"):
         rule = "a path needs friction without dilatancy"
         raise scene.located(SceneError("effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"'))
