@@ -16,6 +16,7 @@ from la_core.exchange.dem_settings import (
     UNBALANCED,
     UNCERTAIN,
     broken_rule,
+    json_rules,
     setting_unit,
 )
 from la_core.exchange.fields import (
@@ -86,6 +87,7 @@ __all__ = [
     "coulomb_fields",
     "holds",
     "inputs_digest",
+    "json_rules",
     "present",
     "read",
     "schema_table",

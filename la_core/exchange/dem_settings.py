@@ -55,6 +55,15 @@ def broken_rule(name: str, value: Any) -> str:
     return "less than 1" if name in _BELOW_ONE and value >= 1.0 else ""
 
 
+def json_rules(name: str) -> dict[str, Any]:
+    """Return the rules of `broken_rule` for a setting of YADE, as JSON Schema has them."""
+    rules: dict[str, Any] = {"type": "integer" if name in _WHOLE else "number"}
+    rules |= {"minimum": 0} if name in _MAY_VANISH else {"exclusiveMinimum": 0}
+    if name == "time_step_share":
+        rules["maximum"] = 1
+    return rules | ({"exclusiveMaximum": 1} if name in _BELOW_ONE else {})
+
+
 def setting_unit(name: str, turns: bool) -> str:
     """The SI unit of a setting of YADE, "" where it has none; `turns` says whether the support turns, in rad, or moves, in m."""
     return SETTING_UNITS.get(name, "").split(" or ")[-1 if turns else 0]

@@ -10,6 +10,7 @@ from conftest import Silent
 
 from comparison.cli.commands import main
 from comparison.workflow.one_scene import run_scene
+from la_core.exchange import SETTINGS, broken_rule
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
@@ -116,6 +117,13 @@ def test_the_schema_refuses_what_the_program_refuses(old: str, new: str) -> None
     assert old in text
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.Draft202012Validator(scene_schema()).validate(tomllib.loads(text.replace(old, new, 1)))
+
+
+@pytest.mark.parametrize("value", [-1.0, 0, 0.5, 1, 1.5, 7], ids=str)
+def test_the_schema_has_the_rules_of_yades_settings(value: float) -> None:
+    schema = scene_schema()["properties"]["yade"]
+    allowed = {name for name in SETTINGS if jsonschema.Draft202012Validator(schema).is_valid({name: value})}
+    assert allowed == {name for name in SETTINGS if not broken_rule(name, value)}
 
 
 def test_every_key_of_the_schema_has_a_meaning_and_its_unit() -> None:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from la_core.exchange import SETTINGS
+from la_core.exchange import SETTINGS, json_rules
 from la_core.scene.schema.scene_file import SceneFile
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -12,7 +12,7 @@ def scene_schema() -> dict[str, Any]:
     """JSON Schema of a scene file: every table and key with its meaning, unit, default, limits and allowed words."""
     schema = SceneFile.model_json_schema()
     schema["properties"]["yade"] |= {
-        "properties": {name: {"type": "number", "minimum": 0.0} for name in SETTINGS},
+        "properties": {name: json_rules(name) for name in SETTINGS},
         "additionalProperties": False,
     }
     for table in (schema, *schema["$defs"].values()):

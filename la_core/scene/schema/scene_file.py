@@ -244,7 +244,7 @@ class SceneFile(Table):
     )
     gravity: Gravity = described("acceleration of gravity, z is up", "m/s2", default=(0.0, 0.0, -9.81))
     stone: Stone | None = described("material of blocks without their own density", default=None)
-    joint: Joint = described("friction and inset of every joint")
+    joint: Joint = described("friction of every joint, and its inset where that is not 0.001 m")
     block: tuple[Block, ...] = described("single blocks", default=())
     wall: tuple[Wall, ...] = described("walls in courses", default=())
     building: tuple[Building, ...] = described("walls that meet and interlock", default=())
