@@ -59,7 +59,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         by_motion = "settles" in moves or not moves
         of_force = "The support then still carries" if by_motion else "The force on the support along its motion is then"
         if facts.get("motions"):
-            of_force = "The forces on the supports, each times its share of the settlement, are then together"
+            supports = "support" if sum(len(one["names"]) for one in facts["motions"]) == 1 else "supports"
+            of_force = f"The forces on the {supports}, each times the share of the settlement at its place, are then together"
         carries = of_force if unit == "N" else "The moment on the support is then"
         value = f"{units.text(predicted, unit, 4)}{share}"
         yield f"{carries} at least {value}: {LOWER}." if is_bound else f"{carries} {value}, by limit analysis."
@@ -174,7 +175,11 @@ def _motion_words(facts: dict[str, Any]) -> str:
     """Return the motion of the support as a verb; "" where it is unknown."""
     if not facts.get("motion"):
         return ""
-    if facts.get("motions"):
+    if len(motions := facts.get("motions") or []) == 1:
+        return (
+            "moves by shares of the settlement that differ along it" if np.any(motions[0]["spin"]) else "moves by a share of the settlement"
+        )
+    if motions:
         return "moves by different shares of the settlement"
     motion, gravity = np.array(facts["motion"]), np.array(facts.get("gravity") or (0.0, 0.0, -9.81))
     if np.any(motion[3:]):

@@ -100,8 +100,20 @@ SUPPORT_TWISTS = Field(
 )
 # Optional: only where loads or ties act on blocks.
 LOAD_FIELDS = (
-    Field("blocks/applied_load", "f8", ("B", 6), "N, N m", "dead loads and ties on each block, a wrench that never changes"),
-    Field("blocks/load_weight", "f8", ("B",), "N", "part of the dead loads along gravity; it counts as weight in W"),
+    Field(
+        "blocks/applied_load",
+        "f8",
+        ("B", 6),
+        "N, N m",
+        "dead loads and ties on each block, a wrench that never changes; 0 for blocks/aside",
+    ),
+    Field(
+        "blocks/load_weight",
+        "f8",
+        ("B",),
+        "N",
+        "part of the dead loads along gravity; it counts as weight in W, which also has the loads on blocks/aside: they are 0 here",
+    ),
     Field(
         "blocks/live_load", "f8", ("B", 6), "N, N m", "live load of multiplier 1 that the dead loads on each block add; 0 for a settlement"
     ),

@@ -124,7 +124,25 @@ def test_a_report_names_the_motion_of_each_support(tmp_path: Path) -> None:
     rows = dict(input_rows(summary, Units(scene.weight)))
     assert rows["of it, motion of left pad"] == "(0, 0, −1)" and rows["of it, motion of right pad"] == "(0, 0, −0.5)"
     words = " ".join(plain_words(summary, Units(scene.weight)))
-    assert "moves by different shares of the settlement" in words and "each times its share of the settlement" in words
+    assert (
+        "moves by different shares of the settlement" in words
+        and "The forces on the supports, each times the share of the settlement at its place" in words
+    )
+
+
+@pytest.mark.parametrize(
+    ("settlement", "moves"),
+    [
+        ({"profile": [[0.0, 1.0], [1.0, 0.5]]}, "moves by shares of the settlement that differ along it"),
+        ({"zone": [{"blocks": ["pad"], "ratio": 0.5}]}, "moves by a share of the settlement"),
+    ],
+    ids=["profile", "zone"],
+)
+def test_a_report_on_a_single_support_speaks_of_one(settlement: dict[str, object], moves: str, tmp_path: Path) -> None:
+    pad, block = scenes.box("pad", (0.0, 0.0, -0.2), (1.0, 0.5, 0.0), "support"), scenes.box("block", (0.1, 0.0, 0.0), (0.9, 0.5, 0.6))
+    scene = scenes.build(pad, block, settlement={"direction": DOWN, **settlement}, inset=INSET)
+    words = " ".join(plain_words(run_scene(scene, tmp_path, Silent(), with_yade=False), Units(scene.weight)))
+    assert f"{moves}," in words and "The forces on the support, each times the share of the settlement at its place, are" in words
 
 
 def test_a_drop_with_a_turn_is_a_turn_about_a_point_beside() -> None:
