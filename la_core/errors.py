@@ -116,7 +116,7 @@ def extra_hint(extra: str, package: str) -> str:
 
 def how_to_install(package: str) -> str:
     """The command that installs a package beside this program: `pip` alone may be that of another Python."""
-    if (Path(sys.prefix) / "pipx_metadata.json").is_file():
+    if _is_pipx():
         return f"pipx inject crosscheck-masonry {package}"
     return f"{shlex.quote(sys.executable)} -m pip install {package}"
 
@@ -124,7 +124,13 @@ def how_to_install(package: str) -> str:
 def missing_part(error: ImportError) -> str:
     """A message for a Python package that cannot be loaded although the program always needs it."""
     what = f"the Python module {error.name} is missing" if isinstance(error, ModuleNotFoundError) else f"a Python module fails ({error})"
-    return f"{what}: the installation of crosscheck is incomplete; `pip install --editable .` in the project's folder completes it"
+    command = "pipx reinstall crosscheck-masonry" if _is_pipx() else f"{shlex.quote(sys.executable)} -m pip install --editable ."
+    place = "" if _is_pipx() else " in the project's folder"
+    return f"{what}: the installation of crosscheck is incomplete; `{command}`{place} completes it"
+
+
+def _is_pipx() -> bool:
+    return (Path(sys.prefix) / "pipx_metadata.json").is_file()
 
 
 def visible(text: str) -> str:

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
 from comparison.errors import message_of
 from comparison.run_folder import folder_of_results
-from la_core.errors import SceneError
+from la_core.errors import SceneError, missing_part
 
 USAGE = 2
 
@@ -60,7 +61,13 @@ def test_a_missing_part_is_named_with_what_completes_the_installation(part: str,
     code = f"import sys; sys.modules[{part!r}] = None; sys.argv[1:] = {command!r}; from comparison.__main__ import main; sys.exit(main())"
     ended = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == TOOL
-    one_message(ended.stderr, f"the Python module {part}", "is missing", "pip install")
+    one_message(ended.stderr, f"the Python module {part}", "is missing", f"{shlex.quote(sys.executable)} -m pip install")
+
+
+def test_a_missing_part_of_an_installation_by_pipx_is_completed_by_pipx(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "pipx_metadata.json").write_text("{}")
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert "`pipx reinstall crosscheck-masonry` completes it" in missing_part(ModuleNotFoundError("no rich", name="rich"))
 
 
 def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:
