@@ -216,6 +216,17 @@ def test_a_script_that_begins_a_campaign_in_every_worker_is_told_where_to_call_i
     assert "its error on standard error says why" in ended.stdout and "memory" not in ended.stdout + ended.stderr
 
 
+def test_a_script_from_standard_input_runs_a_campaign(tmp_path: Path) -> None:
+    """Its workers looked for a file named <stdin>."""
+    (tmp_path / "pads.toml").write_text(
+        'title = "Pads"\nyade = false\n[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.4] }\n'
+    )
+    script = 'import comparison\nprint(comparison.run_campaign("pads.toml", "out", workers=1, quiet=True).rows[0]["state"])\n'
+    environment = {**os.environ, "PYTHONPATH": str(Path(comparison.__file__).parents[1])}
+    ended = subprocess.run([sys.executable, "-"], input=script, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert ended.stdout.strip() == "done", ended.stderr
+
+
 def test_results_are_exported_from_python(tmp_path: Path) -> None:
     files = comparison.export(la_core.solve(la_core.load("two_pads")), tmp_path / "paraview")
     assert files == [tmp_path / "paraview" / "structure.pvd"] and all(path.is_file() for path in files)

@@ -24,6 +24,7 @@ ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because
 GRACE = 3.0  # s for a worker to end YADE and finish its files
 AGAIN = 0.01  # s until a worker whose stop Python dropped is stopped once more
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+NO_FILE = "<stdin>"  # Python's name for the file of a script from standard input
 _CONTEXT = multiprocessing.get_context("spawn")
 
 Work = TypeVar("Work")
@@ -99,9 +100,7 @@ class WorkerProcesses(Generic[Work, Made]):
                     other.begin(worker.work, worker.attempt + 1)
                 else:
                     how = f"its worker process {_how_ended(worker.process.exitcode)}, {ATTEMPTS} times"
-                    again = "run the same command again, with fewer --workers where memory ran out"
-                    hint = "its error on standard error says why" if worker.process.exitcode == 1 else again
-                    results.append((worker.work, WorkerLostError(f"{how}; {hint}")))
+                    results.append((worker.work, WorkerLostError(f"{how}; {_next_step(worker.process.exitcode)}")))
         return results
 
 
@@ -113,7 +112,7 @@ class _Worker:
         self.process = _CONTEXT.Process(target=_serve, args=(function, theirs), daemon=True)
         self.work: Any = None
         self.attempt = 0
-        with _environment(ONE_THREAD), _interruptions_held():
+        with _environment(ONE_THREAD), _interruptions_held(), _file_of_main():
             self.process.start()
         theirs.close()
 
@@ -147,6 +146,26 @@ def _interruptions_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _file_of_main() -> Iterator[None]:
+    """Hide that a script comes from standard input from processes started here: they would look for a file of its name."""
+    main = sys.modules["__main__"]
+    name = getattr(main, "__file__", None)
+    if name != NO_FILE:
+        yield
+        return
+    del main.__file__
+    try:
+        yield
+    finally:
+        main.__file__ = name
+
+
+def _next_step(code: int | None) -> str:
+    again = "run the same command again, with fewer --workers where memory ran out"
+    return again if code is not None and code < 0 else f"its own message on standard error says why; {again}"
 
 
 def _how_ended(code: int | None) -> str:

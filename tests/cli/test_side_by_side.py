@@ -127,7 +127,7 @@ def test_work_whose_workers_all_die_is_lost_in_words() -> None:
         ended = [workers.ended(PATIENCE) for _ in range(ATTEMPTS)]
     assert ended[:-1] == [[]] * (ATTEMPTS - 1)
     ((of, made),) = ended[-1]
-    assert of == "work" and isinstance(made, WorkerLostError) and f"ended with exit code 9, {ATTEMPTS} times" in str(made)
+    assert of == "work" and isinstance(made, WorkerLostError) and f"ended with exit code 9, {ATTEMPTS} times; its own message" in str(made)
 
 
 def test_a_scene_whose_workers_all_die_is_named(
