@@ -1,6 +1,7 @@
 """`crosscheck doctor`: list installed and missing parts, the command that installs a missing one, and the settings."""
 
 import importlib.metadata
+import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,10 +18,12 @@ from comparison.settings import load_settings, unknown_variables
 from comparison.yade import HOW_TO_GET_YADE, find_yade
 from la_core.errors import how_to_install
 
+EXTRAS = ("mesh", "drawing", "dask", "pandas", "parquet")  # those of users
+
 
 @dataclass(frozen=True)
 class Finding:
-    """State of one part that the program needs.
+    """State of one part that the program needs or can use.
 
     Attributes
     ----------
@@ -32,16 +35,19 @@ class Finding:
         Version or free space, or the reason why the part is not usable.
     remedy : str
         Next step for an unusable part, or a caution for a usable one; "" without either.
+    needed : bool
+        Whether the program needs the part; False for that of an extra.
     """
 
     part: str
     well: bool
     state: str
     remedy: str = ""
+    needed: bool = True
 
 
 def execute(context: Context) -> int:
-    """Print every part and every setting; the exit code is 3 if a part is missing."""
+    """Print every part and every setting; the exit code is 3 if a part that the program needs is missing."""
     findings, settings = examine(), configuration_dict()
     if context.options.json:
         context.print_json({"parts": [vars(finding) for finding in findings], "configuration": settings})
@@ -52,12 +58,12 @@ def execute(context: Context) -> int:
                 context.tell(f"{finding.part}: {finding.remedy}")
         context.table(settings_table(settings))
         context.tell(configuration_words(settings))
-    return AGREE if all(finding.well for finding in findings) else TOOL
+    return AGREE if all(finding.well or not finding.needed for finding in findings) else TOOL
 
 
 def examine() -> list[Finding]:
-    """Examine every part that the program needs."""
-    findings = [_package(name) for name in (*PACKAGES, "pydantic", "jinja2", "rich", "shtab")]
+    """Examine every part that the program needs or can use."""
+    findings = [_package(*one) for one in requirements()]
     try:
         yade = find_yade()
         tested = ", a tested version" if yade.is_tested else ""
@@ -91,19 +97,56 @@ def _plain(value: object) -> object:
     return str(value) if isinstance(value, Path) else value
 
 
-def _package(name: str) -> Finding:
+def requirements() -> list[tuple[str, str, str]]:
+    """Return the packages that this installation declares: name, allowed versions, and extra, "" for those that it needs."""
     try:
-        return Finding(name, True, importlib.metadata.version(name))
+        declared = importlib.metadata.requires("crosscheck-masonry") or []
     except importlib.metadata.PackageNotFoundError:
-        return Finding(name, False, "not installed", how_to_install(name))
+        declared = [*PACKAGES, "pydantic", "jinja2", "rich", "shtab"]
+    found = [re.fullmatch(r"([\w.-]+)\s*([^;\[]*?)\s*(?:;\s*extra == ['\"]([\w-]+)['\"])?", one) for one in declared]
+    return [(one[1], one[2], one[3] or "") for one in found if one and (not one[3] or one[3] in EXTRAS)]
+
+
+def _package(name: str, allowed: str, extra: str) -> Finding:
+    part = f"{name} (extra {extra})" if extra else name
+    try:
+        version = importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(part, False, "not installed", how_to_install(name), not extra)
+    if is_allowed(version, allowed):
+        return Finding(part, True, version, needed=not extra)
+    return Finding(part, False, f"{version}; must be {allowed}", how_to_install(f'"{name}{allowed}"'), not extra)
+
+
+def is_allowed(version: str, allowed: str) -> bool:
+    """Return whether a version fulfils all bounds such as ">=2.12,<3"; only these two signs are bounds here."""
+    bounds = re.findall(r"(>=|<)\s*([\d.]+)", allowed)
+    return all((_numbers(version) >= _numbers(bound)) == (sign == ">=") for sign, bound in bounds)
+
+
+def _numbers(version: str) -> list[int]:
+    """Return the numbers of a version, of 2.12.0rc1 [2, 12]: zeros at the end say nothing."""
+    release = re.match(r"\d+(?:\.\d+)*", version)
+    numbers = [int(part) for part in release[0].split(".")] if release else []
+    while numbers and numbers[-1] == 0:
+        numbers.pop()
+    return numbers
 
 
 def doctor_table(findings: list[Finding]) -> Table:
     """Return a table of the parts and their states."""
     table = new_table("part", "state", "")
     for finding in findings:
-        table.add_row(finding.part, plain(finding.state), "[green]✓[/]" if finding.well else "[red]✗ missing[/]")
+        table.add_row(finding.part, plain(finding.state), _mark(finding))
     return table
+
+
+def _mark(finding: Finding) -> str:
+    if finding.well:
+        return "[green]✓[/]"
+    if not finding.needed:
+        return "– optional"
+    return "[red]✗ other version needed[/]" if "; must be" in finding.state else "[red]✗ missing[/]"
 
 
 def settings_table(configuration: dict[str, Any]) -> Table:
