@@ -213,7 +213,7 @@ def test_a_script_that_begins_a_campaign_in_every_worker_is_told_where_to_call_i
     script.write_text('import comparison\nprint(comparison.run_campaign("friction.toml", yade=False, workers=2).rows[0]["reason"])\n')
     ended = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert "run_campaign: is called while a worker process loads the script; call it below `if __name__" in ended.stderr
-    assert "its error on standard error says why" in ended.stdout and "memory" not in ended.stdout + ended.stderr
+    assert "its own message on standard error says why" in ended.stdout and "memory" not in ended.stdout + ended.stderr
 
 
 def test_a_script_from_standard_input_runs_a_campaign(tmp_path: Path) -> None:

@@ -164,8 +164,9 @@ def _file_of_main() -> Iterator[None]:
 
 
 def _next_step(code: int | None) -> str:
-    again = "run the same command again, with fewer --workers where memory ran out"
-    return again if code is not None and code < 0 else f"its own message on standard error says why; {again}"
+    """What to do where a worker process ended with a code, below 0 by a signal; Python prints an error before it ends with 1."""
+    message, again = "its own message on standard error says why", "run the same command again, with fewer --workers where memory ran out"
+    return message if code == 1 else again if code is not None and code < 0 else f"{message}; {again}"
 
 
 def _how_ended(code: int | None) -> str:
