@@ -59,8 +59,6 @@ def json_rules(name: str) -> dict[str, Any]:
     """Return the rules of `broken_rule` for a setting of YADE, as JSON Schema has them."""
     rules: dict[str, Any] = {"type": "integer" if name in _WHOLE else "number"}
     rules |= {"minimum": 0} if name in _MAY_VANISH else {"exclusiveMinimum": 0}
-    if name == "time_step_share":
-        rules["maximum"] = 1
     return rules | ({"exclusiveMaximum": 1} if name in _BELOW_ONE else {})
 
 

@@ -10,6 +10,7 @@ import scipy
 import shapely
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
+from shapely.geometry.polygon import orient
 
 from la_core.geometry import FACE_FLATNESS, Shape, divided_loft, plane_axes, polyhedron, without_straight_corners
 from la_core.scene.schema.types import LARGEST
@@ -196,7 +197,7 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray])
         is_same = shapely.area(shapely.symmetric_difference(*ends)) <= FACE_FLATNESS * ends[0].area
         is_whole = abs(ends[0].area * (high - low) - volume) <= FOLDED * volume
         if is_same and is_whole and np.all(shapely.distance(between, ends[0].exterior) <= slack):
-            outline = shapely.get_coordinates(shapely.orient_polygons(ends[0]).exterior)[:-1]
+            outline = shapely.get_coordinates(orient(ends[0]).exterior)[:-1]
             front = without_straight_corners(outline) @ axes + high * normal
             return divided_loft(front, front - (high - low) * normal, normal)
     return None
