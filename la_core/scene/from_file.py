@@ -14,7 +14,7 @@ import shapely
 from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
 from la_core.errors import SceneError, extra_hint
 from la_core.scene.generators.drawings import nothing_found
-from la_core.scene.generators.mesh import MOST_DENT, mesh_blocks, read_files
+from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
@@ -240,16 +240,16 @@ def _joint_width(clean: Cleaned) -> float:
 
 def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     table = Mesh(file=str(place))
-    bodies = mesh_blocks(table, read_files(table, folder), MOST_DENT)  # the scene's tolerance can be raised
+    files = read_files(table, folder)
+    scale = 1e-3 if extent(table, files) > LARGEST_SIZE else 1.0
+    bodies = mesh_blocks(Mesh(file=str(place), scale=scale), files, MOST_DENT)  # the scene's tolerance can be raised
     vertices = np.concatenate([body.shape.vertices for body in bodies])
-    scale = 1e-3 if float(np.ptp(vertices, axis=0).max()) > LARGEST_SIZE else 1.0
     lists = {key: [body.name for body in bodies if _list_of(body.name) == key] for key in ("ground", "support")}
-    rows = ["[[mesh]]", f"file  = {_quoted(str(place))}"]
-    rows.append(f"scale = {scale:g}   # metres per unit, CHECK: 0.001 for mm")
+    rows = ["[[mesh]]", f"file  = {_quoted(str(place))}", f"scale = {scale:g}   # metres per unit, CHECK: 0.001 for mm"]
     rows.append("# turn = { axis = [1, 0, 0], degrees = 90 }   # where y is up in the file")
     rows += [f"{key} = {_array(lists[name])}" for key, name in (("fixed", "ground"), ("support", "support")) if lists[name]]
     held = lists["ground"] or lists["support"] or any(body.role != "free" for body in bodies)
-    low, high = scale * vertices.min(axis=0), scale * vertices.max(axis=0)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
     if max(np.abs(low).max(), np.abs(high).max()) > FARTHEST:
         shift = -np.round(low)
         low, high = low + shift, high + shift

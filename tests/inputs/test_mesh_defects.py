@@ -155,6 +155,15 @@ def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(
     assert load_scene(scene).blocks.names[-1] == "stone"
 
 
+def test_a_new_scene_is_written_for_bodies_in_millimetres_whose_dents_are_small(tmp_path: Path) -> None:
+    """Half a millimetre was taken for half a metre, before the unit was known."""
+    cube, faces = pyramid_dent(0.0005)
+    (tmp_path / "mm.obj").write_text(obj({"stone": 1000.0 * cube}, faces))
+    scene = tmp_path / "mm.toml"
+    scene.write_text(scene_from_file(tmp_path / "mm.obj", tmp_path))
+    assert "scale = 0.001 " in scene.read_text() and load_scene(scene).blocks.volume[-1] == pytest.approx(1.0)
+
+
 def test_an_inverted_body_is_the_same_body() -> None:
     """All faces turned inwards is a matter of convention, not a defect."""
     inward = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))

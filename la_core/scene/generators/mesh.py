@@ -16,7 +16,7 @@ from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.mesh import FOLDER_FORMATS, FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE, LONGEST_NAME, MOST_BLOCKS
 
-__all__ = ["MOST_DENT", "MeshFile", "mesh_blocks", "read_files"]
+__all__ = ["MOST_DENT", "MeshFile", "extent", "mesh_blocks", "read_files"]
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,13 @@ def mesh_blocks(mesh: Mesh, files: list[MeshFile], tolerance: float) -> list[Nam
         raise SceneError(_where(mesh), f"contains {len(bodies)} bodies; at most {MOST_BLOCKS} are allowed")
     roles = _roles(mesh, [surface for _, surface in bodies])
     return list(_shapes(mesh, bodies, roles, tolerance))
+
+
+def extent(mesh: Mesh, files: list[MeshFile]) -> float:
+    """Longest side of the box around all bodies, in the unit of the files; 0 for none."""
+    vertices = np.concatenate([surface.vertices for file in files for surface in _surfaces(mesh, file)] or [np.zeros((1, 3))])
+    vertices = vertices[np.isfinite(vertices).all(axis=1)]
+    return float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
 
 
 def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
