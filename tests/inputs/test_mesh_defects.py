@@ -119,6 +119,31 @@ def test_a_prism_with_dents_is_the_block_that_its_profile_makes(middle: bool, de
     assert corner.min(axis=0).max() < 1e-5
 
 
+@pytest.mark.parametrize("middle", [False, True])
+def test_a_prism_with_dents_whose_coordinates_have_three_digits_is_read_within_the_tolerance(middle: bool) -> None:
+    """Turned, its ends are not plane to more than a millimetre."""
+    vertices, faces = quoin(middle)
+    for seed in range(10):
+        rounded = np.round(vertices @ Rotation.random(random_state=seed).as_matrix().T, 3)
+        read = mesh_surface.shape_of(mesh_surface.surface("quoin", rounded, faces), 0.003)
+        assert sum(ConvexHull(part.vertices).volume for part in read.parts) == pytest.approx(0.5 * 0.58, rel=0.01)
+
+
+def test_a_body_of_many_corners_is_refused_without_a_search_in_each_of_its_planes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball of 300 corners with a dent: an outline was united in each of 600 planes; a body of 1000 corners took 15 s."""
+    points = np.random.default_rng(0).normal(size=(300, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    hull = ConvexHull(points)
+    outward = np.sum(
+        np.cross(*np.moveaxis(points[hull.simplices[:, 1:]] - points[hull.simplices[:, :1]], 1, 0)) * hull.equations[:, :3], axis=1
+    )
+    faces = [tuple((face if out > 0.0 else face[::-1]).tolist()) for face, out in zip(hull.simplices, outward, strict=True)]
+    points[0] *= 0.7
+    monkeypatch.setattr(mesh_surface.shapely, "union_all", lambda *_, **__: pytest.fail("an outline is sought"))
+    with pytest.raises(ValueError, match="is not convex"):
+        mesh_surface.shape_of(mesh_surface.surface("ball", points, faces))
+
+
 def test_a_prism_with_a_hole_is_refused() -> None:
     """A frame: the ends are squares around a square."""
     outer, inner = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), corners((0.2, 0.2, 0.0), (0.8, 0.8, 1.0))

@@ -88,7 +88,7 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> Shape:
     try:
         deepest = _deepest_dent(vertices, triangles, faces, tolerance)
     except ValueError:
-        if (prism := _prism(vertices, triangles, faces)) is None:
+        if (prism := _prism(vertices, triangles, faces, tolerance)) is None:
             raise
         return prism
     return shape if deepest <= FACE_FLATNESS * size else polyhedron(vertices.tolist(), 2.0 * deepest / size)
@@ -175,10 +175,13 @@ def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
     return deepest
 
 
-def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray]) -> Shape | None:
-    """The body as a prism: faces in two parallel planes fill the same outline without holes, and all other corners lie around it."""
+def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> Shape | None:
+    """The body as a prism: faces in two parallel planes fill the same outline without holes, and all other corners lie around it.
+
+    tolerance: largest error of the coordinates, m: a prism that was turned and written with three digits has ends that are not plane.
+    """
     size = float(np.ptp(vertices, axis=0).max())
-    slack = FACE_FLATNESS * size
+    slack = max(FACE_FLATNESS * size, tolerance)
     corners = vertices[triangles] - vertices[0]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(area, axis=1)
@@ -187,6 +190,10 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray])
     for normal in area[order] / length[order, None]:  # the largest triangle of an end gives its plane best
         height, axes = vertices @ normal, np.concatenate(plane_axes(normal[None]))
         flat, (low, high) = vertices @ axes.T, (float(height.min()), float(height.max()))
+        on_ends = [np.abs(height[triangles] - at).max(axis=1) <= slack for at in (high, low)]
+        enclosed = [abs(float((area[on_end] @ normal).sum())) / 2.0 * (high - low) for on_end in on_ends]
+        if not np.allclose(enclosed, volume, rtol=FOLDED, atol=0.0):  # most planes of a body with many corners are told by this alone
+            continue
         sides = [[shapely.Polygon(flat[face]) for face in faces if np.abs(height[face] - at).max() <= slack] for at in (high, low)]
         if not all(shapely.is_valid(side).all() for side in sides):
             continue
@@ -194,9 +201,8 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray])
         if any(end.geom_type != "Polygon" or end.is_empty or len(end.interiors) for end in ends):
             continue
         between = shapely.points(flat[(height > low + slack) & (height < high - slack)])
-        is_same = shapely.area(shapely.symmetric_difference(*ends)) <= FACE_FLATNESS * ends[0].area
-        is_whole = abs(ends[0].area * (high - low) - volume) <= FOLDED * volume
-        if is_same and is_whole and np.all(shapely.distance(between, ends[0].exterior) <= slack):
+        is_same = shapely.hausdorff_distance(ends[0].exterior, ends[1].exterior) <= slack
+        if is_same and np.all(shapely.distance(between, ends[0].exterior) <= slack):
             outline = shapely.get_coordinates(orient(ends[0]).exterior)[:-1]
             front = without_straight_corners(outline) @ axes + high * normal
             return divided_loft(front, front - (high - low) * normal, normal)
