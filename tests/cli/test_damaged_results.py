@@ -12,6 +12,7 @@ import pytest
 from faulty_runs import INTERRUPTED, TOOL, answer, one_message
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import AGREE
 from comparison.workflow.one_scene import read_results
 from la_core.exchange.checksummed_file import VERSION, ExchangeError
 from la_core.scene.shipped import find
@@ -197,6 +198,18 @@ def test_results_that_another_user_closed_are_named_as_left_out(
     shutil.rmtree(copy / "two_pads")
     assert main(["report", str(copy), "-q"]) == TOOL
     one_message(capsys.readouterr().err, "ask its owner")
+
+
+@pytest.mark.parametrize("name", ["lost+found", ".Trash-0"])
+def test_a_closed_folder_of_the_disk_beside_results_is_no_result(
+    name: str, copy: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (copy / name).mkdir()
+    may = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: path != copy / name and may(path, mode))
+    assert main(["report", str(copy), "--json", "-q"]) == AGREE
+    said = capsys.readouterr()
+    assert not said.err and name not in said.out
 
 
 def test_a_report_stays_where_no_scene_can_be_read(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
