@@ -160,8 +160,8 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
     """Raise SceneError for blocks that overlap: the first pair, and others that a reader can mend with it."""
     found: dict[tuple[str, str], tuple[float, tuple[float, float, float]]] = {}
-    is_hole = False
-    for a, b, depth, middle in islice(overlaps(blocks, pairs, tolerance), MOST_SOUGHT):
+    is_hole, sought = False, overlaps(blocks, pairs, tolerance)
+    for a, b, depth, middle in islice(sought, MOST_SOUGHT):
         if not found:
             inset = np.concatenate([blocks.low[b] - blocks.low[a], blocks.high[a] - blocks.high[b]])
             is_hole = bool((inset >= 0.0).all() or (inset <= 0.0).all())  # one lies within the other
@@ -172,7 +172,8 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     more = ", ".join(f'"{one}" and "{other}" by {far:.3g} m' for (one, other), (far, _) in others[: MOST_NAMED - 1])
     rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}" if more else "")
     if unnamed := [far for _, (far, _) in others[MOST_NAMED - 1 :]]:  # the deepest says which tolerance would remove all
-        rule += f", and {len(unnamed)} other{'s' * (len(unnamed) > 1)} by up to {max(unnamed):.3g} m"
+        least = "" if next(sought, None) is None else "at least "
+        rule += f", and {least}{len(unnamed)} other{'s' * (len(unnamed) > 1)} by up to {max(unnamed):.3g} m"
     hint = "blocks may touch but not share volume"
     if depth <= MOST_MORTAR:
         hint += "; [geometry] tolerance removes overlaps of up to twice the tolerance"

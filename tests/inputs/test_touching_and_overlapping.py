@@ -10,6 +10,7 @@ from gathered_blocks import gathered, turned
 from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
+from la_core.geometry import interfaces
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.interfaces import TOUCH, find_interfaces, nearest_gap
 from la_core.geometry.shapes import Shape, box, polyhedron, prism
@@ -194,3 +195,12 @@ def test_of_many_overlaps_the_message_says_how_many_there_are_and_how_deep() -> 
     row = [box((x, 0.0, 0.0), (x + 1.0, 1.0, 1.0)) for x in start]
     with pytest.raises(SceneError, match=r'so do "b" and "c" by 0\.002 m, .*"d" and "e" by 0\.004 m, and 3 others by up to 0\.007 m;'):
         find_interfaces(gathered(*row))
+
+
+def test_where_not_all_overlaps_are_sought_the_message_says_at_least_how_many_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(interfaces, "MOST_SOUGHT", 6)
+    row = [box((0.9 * k, 0.0, 0.0), (0.9 * k + 1.0, 1.0, 1.0)) for k in range(8)]
+    with pytest.raises(SceneError, match="and at least 2 others by up to"):
+        find_interfaces(gathered(*row))
+    with pytest.raises(SceneError, match="and 2 others by up to"):
+        find_interfaces(gathered(*row[:-1]))
