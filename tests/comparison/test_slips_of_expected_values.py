@@ -47,6 +47,13 @@ def test_a_value_in_another_unit_or_of_another_key_is_recognised(key: str, value
     assert expected in step(la_core.load("two_pads"), {key: value})
 
 
+def test_a_value_of_a_model_that_weighs_a_newton_is_not_said_to_be_in_newtons() -> None:
+    """R and R/W are nearly the same number there."""
+    model = la_core.variant("two_pads", {"gravity": [0.0, 0.0, -9.81 / 2158.2]})
+    assert model.weight == pytest.approx(1.0)
+    assert step(model, {"reaction_over_weight": 1.005 / 6}) == next_steps.CHECK_SOURCE
+
+
 def test_a_value_of_the_associated_rule_is_recognised() -> None:
     found = step(la_core.load("two_blocks"), {"reaction_over_weight": 0.5 / 1.36, "tolerance": 1e-3})
     assert "give it as `associated_reaction_over_weight`" in found

@@ -76,7 +76,10 @@ def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, 
     slips = (
         (solution is analysis.coulomb and abs(number - computed) <= 2.0 * shift, next_steps.SHARP_EDGES),
         (computed > 0.0 and near(-computed), next_steps.SIGN.format(quantity=scene.quantity)),
-        (scene.live is None and near(solution.value), next_steps.IN_NEWTONS.format(unit=scene.unit, weight=scene.weight)),
+        (
+            scene.live is None and near(solution.value) and not near(computed),
+            next_steps.IN_NEWTONS.format(unit=scene.unit, weight=scene.weight),
+        ),
         (near(100.0 * computed), next_steps.PERCENT),
         (scene.tilt is not None and near(math.degrees(math.atan(computed))), next_steps.ANGLE),
         (is_that(pushed), next_steps.OTHER_KEY.format(meaning="greatest reaction, against the settlement", key="reaction_max_over_weight")),
