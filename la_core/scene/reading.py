@@ -18,17 +18,18 @@ _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMAT
             ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
 _BEFORE = r"[=\[,]\s*[-+]?"  # what stands before a number
+_OUTSIDE = r"""(?:[^"'#]|"[^"]*"|'[^']*')*"""  # the begin of a line as far as it is no comment; texts in quotes are whole
 _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
     (r"=[^\"'#]*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
     (r"=[^\"'#]*[−–—]", "write a minus sign with the key -; a longer dash comes with text copied from a page"),
     (
-        "[\u00a0\u2007\u202f\u200b\ufeff]",
+        rf"^{_OUTSIDE}[\u00a0\u2007\u202f\u200b\ufeff]",
         "a space on this line is no plain one, as on web pages: delete the line's spaces and type them again",
     ),
     (r"^[^\"'#:]*//", "a comment begins with #, not with //"),
     (r"^([^\"'#]*[{,])?\s*[\w-]+\s*:", "write = between a key and its value"),
     (r"=\s*\(", "write lists in square brackets, as in [0.0, 0.0, -1.0]"),
-    (_BEFORE + r"(math\.)?(tan|sin|cos|sqrt|atan|radians|pi\b)", "a scene does not calculate: write the number that comes out"),
+    (_BEFORE + r"(math\.)?(tan|sin|cos|sqrt|atan|radians|pi)\b", "a scene does not calculate: write the number that comes out"),
     (_BEFORE + r"[\d.]+\s*[*/^]+\s*(?!\d+/)([\d.(]|pi)", "a scene does not calculate: write the number that comes out"),
     (_BEFORE + r"(\.\d|\d+\.(?![\d.]))", "write a digit on both sides of a decimal point, as in 0.5 and 1.0"),
     (r"=\s*(True|TRUE|False|FALSE)\b", "write true or false in small letters"),
@@ -39,6 +40,7 @@ _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that
     (_NUMBER + "(degrees?|deg|°)", r"write the number alone, \1; the friction is the tangent of the angle"),
     (_NUMBER + "%", "write the number alone, as a share of one: 0.6 for 60 %"),
     (r";\s*(#.*)?$", "a line ends without a semicolon"),
+    (_NUMBER + r"[^\W\d_][\w-]*\s*=", "write a comma between two keys of a table in braces"),
     (_NUMBER + r"(?!e[-+]?\d)([^\W\d_][\w/³²]*)", r"write the number alone, \1; all numbers are in SI units (m, kg, N)"),
     (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
 )
@@ -112,6 +114,8 @@ def _slip(text: str, message: str) -> str:
     line = text.split("\n")[int(place[1]) - 1].strip(" \t") if place else ""
     if "Cannot declare" in message or "Cannot overwrite" in message:
         return _TABLE_TWICE if line.startswith("[") else "the key stands twice; give it once"
+    if comment := re.match(rf"({_OUTSIDE})#", line):  # which may hold anything, as the formula that gives the number
+        line = comment[1].rstrip(" \t")
     for pattern, hint in _SLIPS:
         if found := re.search(pattern, line):
             return found.expand(hint)
