@@ -45,6 +45,8 @@ class Repairs:
         Joints shorter than this are dropped, m.
     unclosed : tuple of Unclosed
         What could not be repaired.
+    made_convex : int
+        Bodies of meshes of which dents were filled within the tolerance.
     """
 
     tolerance: float
@@ -56,6 +58,7 @@ class Repairs:
     overlaps_cut: int
     shortest_joint: float
     unclosed: tuple[Unclosed, ...]
+    made_convex: int = 0
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain values."""

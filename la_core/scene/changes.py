@@ -70,6 +70,8 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """What was moved, cut or dropped within the tolerance; one row says so where nothing was."""
+    if made_convex := repairs.get("made_convex"):  # files of earlier versions lack it
+        yield "bodies of meshes made convex within the tolerance", str(made_convex)
     allowed = f"within {1e3 * repairs['tolerance']:.3g} mm"
     if repairs["largest_move"] <= ROUND_OFF and not repairs["overlaps_cut"]:
         yield "faces and corners", f"nothing had to be moved {allowed}"

@@ -167,4 +167,5 @@ def repaired(named: list[NamedShape], file: scene_file.SceneFile) -> tuple[list[
         return named, None
     tolerance = file.geometry.tolerance or min(LEAST_TOLERANCE, float(joints.max()) / 10.0)
     closed, repairs = close_joints([one.name for one in named], [one.shape for one in named], tolerance, joints)
+    repairs = replace(repairs, made_convex=sum(one.made_convex for one in named))
     return [replace(one, shape=shape) for one, shape in zip(named, closed, strict=True)], repairs

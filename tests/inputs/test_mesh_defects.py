@@ -31,14 +31,19 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
-from la_core.geometry import prism
+from la_core.geometry import Shape, prism
 from la_core.scene import scene_from_file
+from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.generators import mesh, mesh_surface
 from la_core.scene.scene import load_scene
 
 DAMAGES = 20  # a format
 CUBE = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 FLIPPED = (BOX_FACES[0][::-1], *BOX_FACES[1:])
+
+
+def shape_of(body: mesh_surface.Surface, tolerance: float = 0.0) -> Shape:
+    return mesh_surface.shape_of(body, tolerance)[0]
 
 
 def pyramid_dent(depth: float) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
@@ -91,7 +96,7 @@ def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
     rim = [(a, b, b + 8, a + 8) for a, b in ((4, 5), (5, 6), (6, 7), (7, 4))]
     faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *rim]
     with pytest.raises(ValueError, match=r"is folded: its faces enclose 0\.00025 of the volume of its convex hull"):
-        mesh_surface.shape_of(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
+        shape_of(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
 
 
 def quoin(middle: bool) -> tuple[Corners, list[tuple[int, ...]]]:
@@ -110,7 +115,7 @@ def quoin(middle: bool) -> tuple[Corners, list[tuple[int, ...]]]:
 def test_a_prism_with_dents_is_the_block_that_its_profile_makes(middle: bool, degrees: float) -> None:
     vertices, faces = quoin(middle)
     turn = Rotation.from_euler("zx", [degrees, degrees], degrees=True).as_matrix()
-    read = mesh_surface.shape_of(mesh_surface.surface("quoin", vertices @ turn.T, faces))
+    read = shape_of(mesh_surface.surface("quoin", vertices @ turn.T, faces))
     typed = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 0.4), (0.3, 0.4), (0.3, 1.0), (0.0, 1.0)], (0.0, 0.5))
     assert len(read.parts) == len(typed.parts) == 2
     volume = [sorted(ConvexHull(part.vertices).volume for part in shape.parts) for shape in (read, typed)]
@@ -125,7 +130,7 @@ def test_a_prism_with_dents_whose_coordinates_have_three_digits_is_read_within_t
     vertices, faces = quoin(middle)
     for seed in range(10):
         rounded = np.round(vertices @ Rotation.random(random_state=seed).as_matrix().T, 3)
-        read = mesh_surface.shape_of(mesh_surface.surface("quoin", rounded, faces), 0.003)
+        read = shape_of(mesh_surface.surface("quoin", rounded, faces), 0.003)
         assert sum(ConvexHull(part.vertices).volume for part in read.parts) == pytest.approx(0.5 * 0.58, rel=0.01)
 
 
@@ -141,7 +146,7 @@ def test_a_body_of_many_corners_is_refused_without_a_search_in_each_of_its_plane
     points[0] *= 0.7
     monkeypatch.setattr(mesh_surface.shapely, "union_all", lambda *_, **__: pytest.fail("an outline is sought"))
     with pytest.raises(ValueError, match="is not convex"):
-        mesh_surface.shape_of(mesh_surface.surface("ball", points, faces))
+        shape_of(mesh_surface.surface("ball", points, faces))
 
 
 def test_a_prism_with_a_hole_is_refused() -> None:
@@ -152,22 +157,34 @@ def test_a_prism_with_a_hole_is_refused() -> None:
     faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *(face[::-1] for face in ring)]
     faces += [tuple(k + 4 for k in face) for face in ring]
     with pytest.raises(ValueError, match=r"is not convex: .* only a prism may have dents; divide the body into convex ones"):
-        mesh_surface.shape_of(mesh_surface.surface("frame", np.vstack([outer, inner]), faces))
+        shape_of(mesh_surface.surface("frame", np.vstack([outer, inner]), faces))
 
 
 @pytest.mark.parametrize("body", [pyramid_dent(0.002), folded_roof(0.002)], ids=["a dent", "a warped top"])
 def test_a_dent_within_the_tolerance_is_filled(body: tuple[Corners, tuple[tuple[int, ...], ...]], tmp_path: Path) -> None:
     path = written(tmp_path, "warped.obj", obj({"stone": body[0]}, body[1]), fixed=[])
     assert "; [geometry] tolerance fills dents that are no deeper than it" in refusal(path)
-    filled = mesh_surface.shape_of(mesh_surface.surface("stone", *body), 0.003)
+    filled = shape_of(mesh_surface.surface("stone", *body), 0.003)
     assert len(filled.faces) == len(BOX_FACES) and len(filled.vertices) == len(CUBE)
     with pytest.raises(ValueError, match="is not convex"):
-        mesh_surface.shape_of(mesh_surface.surface("stone", *body), 0.001)
+        shape_of(mesh_surface.surface("stone", *body), 0.001)
+
+
+def test_the_number_of_bodies_whose_dents_are_filled_is_told(tmp_path: Path) -> None:
+    """Their volume grows, and it was said that nothing had to be moved."""
+    vertices, faces = pyramid_dent(0.002)
+    stones = {"dented": vertices, "upper": vertices + np.array([0.0, 0.0, 1.0])}
+    path = written(tmp_path, "dented.obj", obj(stones, faces), fixed=["dented"], support=["upper"], shift=[0.0, 0.0, -2.0])
+    block = '[[block]]\nname = "free"\nbox = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 1.0] }\n'
+    path.write_text(f"{path.read_text()}\n[geometry]\ntolerance = 0.003\n{block}")
+    changes = geometry_changes(load_scene(path), 0, 0)
+    assert changes is not None
+    assert next(change_rows(changes)) == ("bodies of meshes made convex within the tolerance", "2")
 
 
 def test_a_body_of_which_a_file_has_every_face_twice_is_read_once() -> None:
-    twice = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, [*BOX_FACES, *(np.roll(face, 1).tolist() for face in BOX_FACES)]))
-    assert twice.faces == mesh_surface.shape_of(mesh_surface.surface("b", CUBE, BOX_FACES)).faces
+    twice = shape_of(mesh_surface.surface("b", CUBE, [*BOX_FACES, *(np.roll(face, 1).tolist() for face in BOX_FACES)]))
+    assert twice.faces == shape_of(mesh_surface.surface("b", CUBE, BOX_FACES)).faces
 
 
 def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(tmp_path: Path) -> None:
@@ -191,8 +208,8 @@ def test_a_new_scene_is_written_for_bodies_in_millimetres_whose_dents_are_small(
 
 def test_an_inverted_body_is_the_same_body() -> None:
     """All faces turned inwards is a matter of convention, not a defect."""
-    inward = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
-    outward = mesh_surface.shape_of(mesh_surface.surface("b", CUBE, BOX_FACES))
+    inward = shape_of(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
+    outward = shape_of(mesh_surface.surface("b", CUBE, BOX_FACES))
     assert inward.faces == outward.faces
 
 

@@ -116,7 +116,8 @@ def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]
             raise SceneError(where, f"a body's name must be printable text of at most {LONGEST_NAME} characters")
         placed = replace(surface, vertices=mesh.scale * surface.vertices @ turn.T + np.array(mesh.shift))
         try:
-            yield NamedShape(name, role, mesh.density, shape_of(placed, tolerance))
+            shape, made_convex = shape_of(placed, tolerance)
+            yield NamedShape(name, role, mesh.density, shape, made_convex=made_convex)
         except ValueError as error:
             raise SceneError(where, str(error)) from error
 

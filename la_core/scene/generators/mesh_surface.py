@@ -65,10 +65,10 @@ def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], hel
     return Surface(name, vertices[used], tuple(tuple(loop.tolist()) for loop in loops), held)
 
 
-def shape_of(body: Surface, tolerance: float = 0.0) -> Shape:
+def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
     """Turn a surface into a convex shape with plane faces, or into a compound where it is a prism of a profile with dents.
 
-    Dents of no more than the tolerance (m) are filled.
+    Dents of no more than the tolerance (m) are filled; the second value says whether there were any.
 
     Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
     """
@@ -90,8 +90,10 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> Shape:
     except ValueError:
         if (prism := _prism(vertices, triangles, faces, tolerance)) is None:
             raise
-        return prism
-    return shape if deepest <= FACE_FLATNESS * size else polyhedron(vertices.tolist(), 2.0 * deepest / size)
+        return prism, False
+    if deepest <= FACE_FLATNESS * size:
+        return shape, False
+    return polyhedron(vertices.tolist(), 2.0 * deepest / size), True
 
 
 def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:

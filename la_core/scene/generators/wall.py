@@ -31,6 +31,8 @@ class NamedShape:
         Greatest width of the open joints around the block, which are to be closed, m; 0 where they are drawn closed.
     groups : tuple of str
         Groups by which other tables may choose the block, such as "layer:BRICK".
+    made_convex : bool
+        Whether dents of a body of a mesh were filled within the tolerance.
     """
 
     name: str
@@ -40,6 +42,7 @@ class NamedShape:
     added_density: float = 0.0
     joint: float = 0.0
     groups: tuple[str, ...] = ()
+    made_convex: bool = False
 
 
 def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
