@@ -96,11 +96,16 @@ def compas_network(bodies: dict[str, tuple[Corners, str]]) -> str:
 
 
 def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, transformation: Any = None) -> str:
-    """As compas_model and compas_dem write a model: elements by their ids, or in a list, beside a graph."""
+    """As compas_model and compas_dem write a model: named elements by their ids, or in a list of named meshes, beside a graph."""
     elements = {}
     for name, (vertices, role) in bodies.items():
-        mesh = {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices), "name": name}
-        data = {"transformation": transformation, "shape" if is_list else "geometry": mesh, "is_support": role != "free"}
+        mesh = {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices)} | ({"name": name} if is_list else {})
+        data = {
+            "name": "Block" if is_list else name,
+            "transformation": transformation,
+            "shape" if is_list else "geometry": mesh,
+            "is_support": role != "free",
+        }
         elements[f"id of {name}"] = {"dtype": "compas_dem.elements/Block", "data": data}
     data = {"elements": list(elements.values()) if is_list else elements, "graph": {"node": {}}}
     return json.dumps({"dtype": "compas_dem.models/BlockModel", "data": data})

@@ -109,7 +109,8 @@ def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str
             marks = _unwrapped(element)
             if data.get("transformation") or marks.get("transformation"):
                 raise ValueError(f"element {key} has a transformation, which is not read")
-            yield key, marks.get("shape") or marks["geometry"], marks
+            mesh = marks.get("shape") or marks["geometry"]
+            yield key, {**mesh, "name": mesh.get("name") or marks.get("name")}, marks
     elif "blocks" in data:  # compas_assembly before 0.2
         of_all = data["assembly"].get("vertex") or data["assembly"].get("node") or {}
         for key, block in data["blocks"].items():
