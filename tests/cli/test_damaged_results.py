@@ -200,6 +200,17 @@ def test_results_that_another_user_closed_are_named_as_left_out(
     one_message(capsys.readouterr().err, "ask its owner")
 
 
+def test_a_folder_that_cannot_be_listed_is_not_said_to_hold_no_results(
+    copy: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As with the mode 711: files in it may be read by name, but nothing tells their names."""
+    may = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: path != copy and may(path, mode))
+    monkeypatch.setattr(Path, "glob", lambda *_: iter(()))
+    assert main(["report", str(copy), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, f"{copy}: it may not be read by you: ask its owner")
+
+
 @pytest.mark.parametrize("name", ["lost+found", ".Trash-0"])
 def test_a_closed_folder_of_the_disk_beside_results_is_no_result(
     name: str, copy: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -57,11 +57,15 @@ def execute(context: Context) -> int:
 
 
 def _closed_folders(folder: Path) -> list[Path]:
-    """Return the folders in a run's folder that this user may not enter; their results would be missing without a word.
+    """Return the folders in a run's folder, or itself, that this user may not list; their results would be missing without a word.
 
     Those of a disk or a desktop hold no results: `lost+found`, and names with a dot such as `.Trash-0`.
     """
-    inside = sorted(folder.iterdir()) if folder.is_dir() and os.access(folder, os.R_OK | os.X_OK) else []
+    if not folder.is_dir():
+        return []
+    if not os.access(folder, os.R_OK | os.X_OK):
+        return [folder]
+    inside = sorted(folder.iterdir())
     inside = [place for place in inside if place.name != "lost+found" and not place.name.startswith(".")]
     return [place for place in inside if place.is_dir() and not os.access(place, os.R_OK | os.X_OK)]
 
