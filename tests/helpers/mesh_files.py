@@ -95,7 +95,7 @@ def compas_network(bodies: dict[str, tuple[Corners, str]]) -> str:
     return json.dumps({"attributes": {"name": "Network"}, "node": node, "edge": {}})
 
 
-def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, transformation: Any = None) -> str:
+def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, transformation: Any = None, modifiers: Any = None) -> str:
     """As compas_model and compas_dem write a model: named elements by their ids, or in a list of named meshes, beside a graph."""
     elements = {}
     for name, (vertices, role) in bodies.items():
@@ -107,7 +107,10 @@ def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, 
             "is_support": role != "free",
         }
         elements[f"id of {name}"] = {"dtype": "compas_dem.elements/Block", "data": data}
-    data = {"elements": list(elements.values()) if is_list else elements, "graph": {"node": {}}}
+    data = {
+        "elements": list(elements.values()) if is_list else elements,
+        "graph": {"node": {}, "edge": {"0": {"1": {"modifiers": modifiers}}}},
+    }
     return json.dumps({"dtype": "compas_dem.models/BlockModel", "data": data})
 
 

@@ -134,6 +134,18 @@ def test_a_prism_with_dents_whose_coordinates_have_three_digits_is_read_within_t
         assert sum(ConvexHull(part.vertices).volume for part in read.parts) == pytest.approx(0.5 * 0.58, rel=0.01)
 
 
+def test_a_prism_of_a_profile_with_very_many_corners_is_refused_before_it_is_divided() -> None:
+    """The teeth of a saw: 500 corners took three minutes."""
+    n = 102
+    along = np.linspace(0.0, 1.0, n - 2)
+    profile = [*zip(along, 0.5 + 0.1 * (np.arange(n - 2) % 2), strict=True), (1.0, 0.0), (0.0, 0.0)][::-1]
+    vertices = np.array([[x, y, z] for y in (0.0, 0.5) for x, z in profile])
+    sides = [((k + 1) % n, k, k + n, (k + 1) % n + n) for k in range(n)]
+    body = mesh_surface.surface("saw", vertices, [tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides])
+    with pytest.raises(ValueError, match="prism of a profile with dents and 102 corners; at most 100 can be divided"):
+        shape_of(body)
+
+
 def test_a_body_of_many_corners_is_refused_without_a_search_in_each_of_its_planes(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball of 300 corners with a dent: an outline was united in each of 600 planes; a body of 1000 corners took 15 s."""
     points = np.random.default_rng(0).normal(size=(300, 3))
@@ -249,7 +261,13 @@ FILES = {
         "x.json",
         compas_model(wall(), transformation={"data": {}}),
         {},
-        "element 0 has a transformation, which is not",
+        "element 0 has a transformation, which is not read; write its blocks as OBJ",
+    ),
+    "blocks to be cut": (
+        "x.json",
+        compas_model(wall(), modifiers=[{"type": "cut"}]),
+        {},
+        "a model has modifiers, such as cuts by neighbours",
     ),
     "JSON without end": ("x.json", "[" * 100_000, {}, "not an assembly as COMPAS writes it"),
     "not PLY": ("x.ply", "nothing of the kind", {}, "not a whole PLY file"),

@@ -13,6 +13,7 @@ import numpy as np
 
 from la_core.scene.generators.mesh_surface import Surface, surface
 
+_AS_OBJ = "write its blocks as OBJ, each as an object of its own"
 DEFAULT_GROUP = "default"  # name of the group before any `g`; some programs write it although it is empty
 
 
@@ -81,15 +82,20 @@ def _triangle_surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
     return [surface(stem if len(bodies) == 1 else name, vertices, faces.tolist()) for name, (vertices, faces) in bodies.items()]
 
 
+class _NotReadError(ValueError):
+    """A file by COMPAS has something that would change its blocks."""
+
+
 def _compas_surfaces(content: bytes) -> list[Surface]:
     """Blocks of a file by COMPAS; the number of a block in the file is its name, where it has none of its own."""
     try:
         named = [
             (str(key), *_compas_mesh(block), bool(marks.get("is_support"))) for key, block, marks in _compas_blocks(json.loads(content))
         ]
+    except _NotReadError as error:
+        raise ValueError(f"{error}, which is not read; {_AS_OBJ}") from error
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RecursionError) as error:
-        ways = "write its blocks as OBJ, each as an object of its own"
-        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {error}); {ways}") from error
+        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {error}); {_AS_OBJ}") from error
     shared = Counter(name for _, name, *_ in named)
     return [
         surface(name if name and shared[name] == 1 else f"block {key}", vertices, faces, held) for key, name, vertices, faces, held in named
@@ -104,11 +110,13 @@ def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str
         return
     data = _unwrapped(content)
     if "elements" in data:  # compas_model and compas_dem
-        elements = data["elements"]
+        elements, edges = data["elements"], _unwrapped(data.get("graph") or {}).get("edge") or {}
+        if any(edge.get("modifiers") for ends in edges.values() for edge in ends.values()):
+            raise _NotReadError("a model has modifiers, such as cuts by neighbours")
         for key, element in enumerate(elements.values() if isinstance(elements, dict) else elements):
             marks = _unwrapped(element)
             if data.get("transformation") or marks.get("transformation"):
-                raise ValueError(f"element {key} has a transformation, which is not read")
+                raise _NotReadError(f"element {key} has a transformation")
             mesh = marks.get("shape") or marks["geometry"]
             yield key, {**mesh, "name": mesh.get("name") or marks.get("name")}, marks
     elif "blocks" in data:  # compas_assembly before 0.2

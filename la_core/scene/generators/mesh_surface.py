@@ -18,6 +18,7 @@ from la_core.text_table import place_text
 
 WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
 MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
+MOST_PROFILE = 100  # corners of a profile with dents: to divide it into convex parts takes a second, and eight for twice as many
 MOST_DENT = 0.02  # m: an error of the coordinates is smaller
 FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
 
@@ -206,7 +207,10 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
         is_same = shapely.hausdorff_distance(ends[0].exterior, ends[1].exterior) <= slack
         if is_same and np.all(shapely.distance(between, ends[0].exterior) <= slack):
             outline = shapely.get_coordinates(orient(ends[0]).exterior)[:-1]
-            front = without_straight_corners(outline) @ axes + high * normal
+            profile = without_straight_corners(outline)
+            if len(profile) > MOST_PROFILE:
+                raise ValueError(f"is a prism of a profile with dents and {len(profile)} corners; at most {MOST_PROFILE} can be divided")
+            front = profile @ axes + high * normal
             return divided_loft(front, front - (high - low) * normal, normal)
     return None
 
