@@ -11,7 +11,15 @@ from comparison.judge.checks.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import answer_of, answer_of_text
 from comparison.judge.requested_accuracy import METHODS, check_accuracy
-from comparison.judge.summary import comparison_summary, conclusion_of, limit_analysis_summary, without_run, without_undefined, yade_summary
+from comparison.judge.summary import (
+    comparison_summary,
+    conclusion_of,
+    limit_analysis_summary,
+    limit_analysis_values,
+    without_run,
+    without_undefined,
+    yade_summary,
+)
 
 __all__ = [
     "FLOOR",
@@ -33,6 +41,7 @@ __all__ = [
     "conclusion_of",
     "effects_summary",
     "limit_analysis_summary",
+    "limit_analysis_values",
     "requested_accuracy",
     "slides_unforeseen",
     "without_run",

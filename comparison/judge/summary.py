@@ -44,15 +44,17 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "effects": effects_summary(scene, whole, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),
-        "limit_analysis": {
-            "associated": associated_values(analysis),
-            "coulomb": coulomb_values(analysis),
-            "path": path_values(analysis),
-        },
+        "limit_analysis": limit_analysis_values(analysis),
         "mechanism_measures": dict(_measures(Results(analysis))),
         "accuracy": accuracy_summary(Results(analysis)),
     }
     return without_undefined(summary)
+
+
+def limit_analysis_values(analysis: LimitAnalysis) -> dict[str, Any]:
+    """Return what limit analysis found, as a part of its summary: the tables that `solve` prints."""
+    values = {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
+    return without_undefined(values)
 
 
 def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -6,11 +6,11 @@ Only free blocks and contact points are compared: a held block may have any shap
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from la_core.geometry import plane_axes
 from la_core.model.assembly import Assembly
 
+ASKEW = np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0])  # a direction in which no two places on a regular grid are level
 SAME_PLACE = 1e-9  # of the mean size of a block: distance below which two points are the same
 
 
@@ -133,7 +133,12 @@ def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
 
 
 def _matched(places: np.ndarray, images: np.ndarray, same: float) -> np.ndarray | None:
-    """The row (N,) of `places` (N, d) that each row of `images` lies at, or None where they are not one to one."""
-    distance, row = scipy.spatial.cKDTree(places).query(images)
+    """The row (N,) of `places` (N, d) that each row of `images` lies at, or None where they are not one to one.
+
+    Both are sorted along one direction. A search tree would do the same, but takes 0.1 s to load.
+    """
+    along, row = ASKEW[: places.shape[1]], np.empty(len(places), dtype=int)
+    row[np.argsort(images @ along)] = np.argsort(places @ along)
+    distance = np.linalg.norm(places[row] - images, axis=1)
     is_inverse = np.array_equal(row[row], np.arange(len(row)))
     return row if distance.max() <= same and is_inverse else None

@@ -48,6 +48,16 @@ def test_solving_a_small_scene_loads_only_what_it_uses(tmp_path: Path) -> None:
     assert not loaded & (EXTRAS | DRAWS | OF_SCIPY | OWN)
 
 
+def test_the_search_for_mirrors_of_a_large_wall_loads_no_search_tree(tmp_path: Path) -> None:
+    wall = "block = [0.6, 0.4, 0.3]\nper_course = 20\ncourses = 20\nfooting = { height = 0.3, settling = [9.0, 12.0] }"
+    head = "stone.density = 2000.0\njoint.friction = 0.6\nsettlement.direction = [0.0, 0.0, -1.0]"
+    (tmp_path / "wall.toml").write_text(f'{head}\n[[wall]]\nbond = "running"\norigin = [0.0, 0.0, 0.0]\n{wall}', encoding="utf-8")
+    watched = "from la_core.model import mirrors\nfound, match = [], mirrors._matched\n"
+    watched += "mirrors._matched = lambda *a: found.append(match(*a)) or found[-1]"
+    solved = "from comparison.cli import main\nassert main(['solve', 'wall.toml', '--bounds', '-q']) == 0 and found[-1] is not None"
+    assert not loaded_by(f"{watched}\n{solved}", tmp_path) & OF_SCIPY
+
+
 def test_the_verb_run_loads_nothing_that_draws(tmp_path: Path) -> None:
     loaded = loaded_by("import comparison.cli.scene_verbs.run", tmp_path)
     assert "comparison.workflow.stages" in loaded

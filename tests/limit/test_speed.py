@@ -12,7 +12,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import scenes
-import scipy.spatial  # noqa: F401  loaded before calls are counted: the search for mirrors needs it
 from scipy.sparse import identity
 from scipy.sparse.linalg import splu
 

@@ -6,7 +6,7 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, INCONCLUSIVE, SEVERITY
-from comparison.judge import check_accuracy, check_answer, check_expected, conclusion_of, limit_analysis_summary
+from comparison.judge import check_accuracy, check_answer, check_expected, conclusion_of, limit_analysis_summary, limit_analysis_values
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
@@ -48,14 +48,13 @@ def execute(context: Context) -> int:
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)
-    summary = limit_analysis_summary(analysis)
     checks = [*check_expected(analysis), *check_accuracy(Results(analysis))]
     if options.json:
-        context.print_json(summary)
+        context.print_json(limit_analysis_summary(analysis))
     else:
         if not narration.has_printed_bounds:  # they were stored, or are those of the last attempt
             _tell_whether_it_stands(analysis, context)
-        _print_rest(scene, summary["limit_analysis"], checks, narration.has_printed_bounds, context)
+        _print_rest(scene, limit_analysis_values(analysis), checks, narration.has_printed_bounds, context)
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
