@@ -138,15 +138,8 @@ def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> dict[str, st
         stored = json.loads(read_text(folder / "report.json"))
         covered = {comparison["scene"] for comparison in stored["comparisons"]}
         words = {name: visible(stored["head"][name]) for name in HEAD if isinstance(stored["head"].get(name), str)}
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        AttributeError,
-        RecursionError,
-    ):  # an older report has no words; a damaged one is written anew
-        return {}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}  # an older report has no words; a damaged one is written anew
     return words if covered >= {comparison["scene"] for comparison in comparisons} else {}
 
 

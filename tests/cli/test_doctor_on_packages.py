@@ -31,3 +31,7 @@ def test_an_old_package_is_no_good_and_a_missing_extra_is_no_fault(monkeypatch: 
     old, clarabel, extra = [doctor._package(*one) for one in doctor.requirements()]
     assert not old.well and old.needed and old.state == "2.6.4; must be >=2.12" and '"pydantic>=2.12"' in old.remedy
     assert clarabel.well and not extra.well and not extra.needed and extra.part == "ezdxf (extra drawing)"
+    monkeypatch.setattr(importlib.metadata, "version", lambda name: "1.1")
+    too_old = doctor._package("ezdxf", ">=1.2", "drawing")
+    assert [doctor._mark(one) for one in (old, extra, too_old)] == [doctor._mark(old), "– optional", doctor._mark(old)]
+    assert "other version needed" in doctor._mark(old)

@@ -37,6 +37,8 @@ class Finding:
         Next step for an unusable part, or a caution for a usable one; "" without either.
     needed : bool
         Whether the program needs the part; False for that of an extra.
+    has_other_version : bool
+        Whether the part is installed, but in a version that is not allowed.
     """
 
     part: str
@@ -44,6 +46,7 @@ class Finding:
     state: str
     remedy: str = ""
     needed: bool = True
+    has_other_version: bool = False
 
 
 def execute(context: Context) -> int:
@@ -115,11 +118,14 @@ def _package(name: str, allowed: str, extra: str) -> Finding:
         return Finding(part, False, "not installed", how_to_install(name), not extra)
     if is_allowed(version, allowed):
         return Finding(part, True, version, needed=not extra)
-    return Finding(part, False, f"{version}; must be {allowed}", how_to_install(f'"{name}{allowed}"'), not extra)
+    return Finding(part, False, f"{version}; must be {allowed}", how_to_install(f'"{name}{allowed}"'), not extra, True)
 
 
 def is_allowed(version: str, allowed: str) -> bool:
-    """Return whether a version fulfils all bounds such as ">=2.12,<3"; only these two signs are bounds here."""
+    """Return whether a version fulfils all bounds such as ">=2.12,<3"; only these two signs are bounds here.
+
+    A library would do the same, but may itself be the part that is missing.
+    """
     bounds = re.findall(r"(>=|<)\s*([\d.]+)", allowed)
     return all((_numbers(version) >= _numbers(bound)) == (sign == ">=") for sign, bound in bounds)
 
@@ -144,9 +150,9 @@ def doctor_table(findings: list[Finding]) -> Table:
 def _mark(finding: Finding) -> str:
     if finding.well:
         return "[green]✓[/]"
-    if not finding.needed:
-        return "– optional"
-    return "[red]✗ other version needed[/]" if "; must be" in finding.state else "[red]✗ missing[/]"
+    if finding.has_other_version:
+        return "[red]✗ other version needed[/]"
+    return "[red]✗ missing[/]" if finding.needed else "– optional"
 
 
 def settings_table(configuration: dict[str, Any]) -> Table:
