@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import scipy
@@ -72,7 +72,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     pieces, owner_left = _pieces(parts, owner, single, moved, normal, offset, origin)
     pieces += [part for one in whole.values() for part in one.parts]
     owner_left = np.concatenate([owner_left, np.repeat(list(whole), [len(one.parts) for one in whole.values()]).astype(int)])
-    found = _cut_overlaps(names, pieces, owner_left, float(reach.max()), origin)
+    found = _cut_overlaps(names, pieces, owner_left, _Drawn(parts, owner, float(reach.max())), origin)
     wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
     unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
     widest = pairs.gap[pairs.widest]
@@ -213,8 +213,25 @@ class _Overlaps:
     deep: dict[tuple[str, str], Unclosed] = field(default_factory=dict)
 
 
-def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float, origin: np.ndarray) -> _Overlaps:
-    """Cut every part that overlaps another block by at most `most` (m), in place, along the face of the other that it passes least."""
+@dataclass(frozen=True)
+class _Drawn:
+    """The parts as they were drawn, the block of each, and the deepest overlap that may be cut, m."""
+
+    parts: Blocks
+    owner: np.ndarray
+    most: float
+
+    def deep(self, a: int, b: int) -> bool:
+        """Whether blocks a and b were drawn with an overlap that is too deep to be cut."""
+        pairs = np.array(list(product(np.flatnonzero(self.owner == a), np.flatnonzero(self.owner == b))))
+        return any(depth > self.most for *_, depth, _ in overlaps(self.parts, pairs, np.full(len(pairs), self.most / 2.0)))
+
+
+def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, drawn: _Drawn, origin: np.ndarray) -> _Overlaps:
+    """Cut every part that overlaps another block, in place, along the face of the other that it passes least.
+
+    An overlap may be deeper than it was drawn, for faces have moved: it is cut all the same.
+    """
     found = _Overlaps()
     for _ in range(ROUNDS):
         parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
@@ -223,7 +240,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
         pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
         changed: set[int] = set()
         for a, b, depth, middle in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
-            if depth > most:
+            if depth > drawn.most and drawn.deep(int(owner[a]), int(owner[b])):
                 both = parts.names[a], parts.names[b]
                 found.deep[both] = Unclosed(both, middle, -depth)
             elif a not in changed and b not in changed:  # the next round finds the other pairs again

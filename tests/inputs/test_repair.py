@@ -1,6 +1,6 @@
 """The tolerance of the geometry: surveyed walls close again, every change is reported, and what cannot be repaired is named."""
 
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ import scenes
 from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.geometry import find_interfaces
+from la_core.geometry import Blocks, Shape, find_interfaces, near_pairs, overlaps, polyhedron
 from la_core.limit.problem import Drive
 from la_core.repair import closing
 from la_core.scene import Scene
@@ -206,3 +206,36 @@ def test_planes_that_enclose_no_body_leave_nothing_and_bring_no_warning() -> Non
     """A wedge that is open at its wide end."""
     normal = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-0.04, 0.0, -1.0], [0.0, 0.0, 1.0]])
     assert closing._between(normal, np.array([0.0, 0.4, 0.0, 0.0]), np.array([10.0, 0.2, -0.2]), 1e-9) is None
+
+
+def voussoirs_between_chords(around: int, rows: int) -> tuple[list[str], list[Shape]]:
+    """Some voussoirs of a dome in rows that are shifted by half a voussoir: chords of one row cross those of the next one."""
+    step, names, shapes = 2.0 * np.pi / around, [], []
+    for row, place in np.ndindex(rows, 8):
+        heights, sides = np.radians([10 + 4 * row, 14 + 4 * row]), (place + row % 2 / 2.0 + np.arange(2)) * step
+        corners = [
+            (r * np.cos(height) * np.cos(side), r * np.cos(height) * np.sin(side), r * np.sin(height))
+            for r, height, side in product((3.0, 3.12), heights, sides)
+        ]
+        names.append(f"{row}.{place}")
+        shapes.append(polyhedron(corners))
+    return names, shapes
+
+
+def overlap_depths(names: list[str], shapes: list[Shape]) -> list[float]:
+    parts = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), shapes).parts
+    pairs = near_pairs(parts, np.zeros(len(parts)))
+    pairs = pairs[[parts.names[a] != parts.names[b] for a, b in pairs.tolist()]]
+    return [depth for *_, depth, _ in overlaps(parts, pairs, np.full(len(pairs), 1e-6))]
+
+
+@pytest.mark.parametrize("tolerance", [0.0034, 0.0037, 0.0045, 0.0054, 0.007])
+def test_an_overlap_that_moving_faces_deepen_is_cut_where_it_was_drawn_within_the_tolerance(tolerance: float) -> None:
+    """Faces of a row move onto one plane, away from the blocks that they met: overlaps of 6.8 mm grew to 16 mm and were refused."""
+    names, shapes = voussoirs_between_chords(around=32, rows=7)
+    assert 0.006 < max(overlap_depths(names, shapes)) < 2.0 * tolerance
+    repaired, repairs = closing.close_joints(names, shapes, tolerance, np.zeros(len(shapes)))
+    assert not overlap_depths(names, repaired)
+    assert all(one.gap > 0.0 or abs(one.gap) < 2.0 * tolerance for one in repairs.unclosed)
+    before, after = (Blocks.gather(names, ["fixed"] * len(names), [1.0] * len(names), some).volume for some in (shapes, repaired))
+    assert after == pytest.approx(before, rel=0.03)
