@@ -145,8 +145,7 @@ def run_campaign(
 ) -> CampaignResult:
     """Run a campaign, as `crosscheck campaign` does; finished cases are not run again.
 
-    The cases run in processes of their own. A script that calls this function therefore does so below `if __name__ ==
-    "__main__":`; a notebook need not.
+    The cases run in processes of their own, which do not load the script that calls this function.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Worker processes on this machine, of one thread each. Each talks to this process over its own pipe; no network port is open.
 
-Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. When a worker dies, its pipe
-ends; a new worker then repeats its work.
+Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. They load this program alone, not
+the script that calls it. When a worker dies, its pipe ends; a new worker then repeats its work.
 """
 
 import contextlib
@@ -24,7 +24,6 @@ ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because
 GRACE = 3.0  # s for a worker to end YADE and finish its files
 AGAIN = 0.01  # s until a worker whose stop Python dropped is stopped once more
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-NO_FILE = "<stdin>"  # Python's name for the file of a script from standard input
 _CONTEXT = multiprocessing.get_context("spawn")
 
 Work = TypeVar("Work")
@@ -112,7 +111,7 @@ class _Worker:
         self.process = _CONTEXT.Process(target=_serve, args=(function, theirs), daemon=True)
         self.work: Any = None
         self.attempt = 0
-        with _environment(ONE_THREAD), _interruptions_held(), _file_of_main():
+        with _environment(ONE_THREAD), _interruptions_held(), _script_hidden():
             self.process.start()
         theirs.close()
 
@@ -149,18 +148,17 @@ def _interruptions_held() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _file_of_main() -> Iterator[None]:
-    """Hide that a script comes from standard input from processes started here: they would look for a file of its name."""
-    main = sys.modules["__main__"]
-    name = getattr(main, "__file__", None)
-    if name != NO_FILE:
-        yield
-        return
-    del main.__file__
+def _script_hidden() -> Iterator[None]:
+    """Hide the user's script from processes started here: they would run it again, or look for a file named <stdin>."""
+    main = vars(sys.modules["__main__"])
+    before: dict[str, Any] = {name: main[name] for name in ("__file__", "__spec__") if name in main}
+    main.pop("__file__", None)
+    main["__spec__"] = None
     try:
         yield
     finally:
-        main.__file__ = name
+        main.pop("__spec__")
+        main.update(before)
 
 
 def _next_step(code: int | None) -> str:
