@@ -90,10 +90,10 @@ def expand(definition: Definition) -> list[Case]:
     runs: dict[tuple[Path, str], CaseRun] = {}
     cases: dict[tuple[str, CaseRun, ClassicParameters | None], Case] = {}
     names, folders, sweeps = _Names(LONGEST), _Names(LONGEST), _Names()
-    for sweep in definition.file.sweep:
-        path, original = _scene_of(definition, sweep)
-        stem = folder_name(sweep.name or path.stem)
-        title = sweeps.unique(sweep.name or path.stem)
+    scenes = [_scene_of(definition, sweep) for sweep in definition.file.sweep]
+    for sweep, (path, original) in zip(definition.file.sweep, scenes, strict=True):
+        whole_name = sweep.name or _scene_name(path, [other for other, _ in scenes])
+        stem, title = folder_name(whole_name), sweeps.unique(whole_name)
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
@@ -138,6 +138,13 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
         return path, load_scene(path).text
     except SceneError as error:
         raise SceneError(str(definition.path), str(error)) from error
+
+
+def _scene_name(path: Path, others: list[Path]) -> str:
+    """Return the name of a scene's file, after its folder where scenes of another folder have the same: two people draw one structure."""
+    place = path.resolve()
+    is_alone = all(other.resolve() == place for other in others if other.stem.casefold() == path.stem.casefold())
+    return path.stem if is_alone else f"{place.parent.name}_{path.stem}"
 
 
 def _overridden(path: Path, original: str, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:

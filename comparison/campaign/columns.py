@@ -29,7 +29,9 @@ ANSWER = "as column unit says"  # N, N m or a pure number, depending on the scen
 
 BEFORE_KEYS = {
     "case": Column("", "name of the case, unique in the campaign"),
-    "sweep": Column("", "name of the case's sweep; without a name of its own, that of its scene"),
+    "sweep": Column(
+        "", "name of the case's sweep; without a name of its own, that of its scene, after its folder where two scenes have one name"
+    ),
     "scene": Column("", "original scene of the case"),
 }
 AFTER_KEYS = {

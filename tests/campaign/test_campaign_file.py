@@ -141,6 +141,18 @@ def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that
     assert axes(definition, found) == {"joint.friction": [0.3, 0.6], "joint.inset": [0.001, 0.002]}
 
 
+def test_scenes_of_one_name_in_two_folders_are_told_apart_by_their_folders(tmp_path: Path) -> None:
+    """The cases of a class were named pads, pads-2 and pads-3: nobody knew whose they were."""
+    for owner in ("anna", "bernd"):
+        (tmp_path / owner).mkdir()
+        (tmp_path / owner / "pads.toml").write_text(find("two_pads").read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "arch.toml").write_text(find("two_pads").read_text(encoding="utf-8"), encoding="utf-8")
+    text = "".join(f'[[sweep]]\nscene = "{scene}"\n' for scene in ("anna/pads.toml", "bernd/pads.toml", "anna/pads", "arch"))
+    found = expand(load_campaign(written(tmp_path, text)))
+    assert [case.sweep for case in found] == ["anna_pads", "bernd_pads", "anna_pads-2", "arch"]
+    assert [case.name for case in found] == ["anna_pads", "bernd_pads", "anna_pads-2", "arch"]
+
+
 def test_an_expected_value_that_a_campaign_sets_stays_where_it_equals_the_scene_s_own(tmp_path: Path) -> None:
     text = sweep('[sweep.vary]\n"expected.reaction_over_weight" = [0.1666666667, 0.2]\n"joint.friction" = [0.1, 0.3]')
     expected = [case.run.scene().expected for case in expand(load_campaign(written(tmp_path, text)))]
