@@ -19,6 +19,7 @@ import numpy as np
 
 from la_core.exchange import LATEST_START, UNCERTAIN
 from yade_scripts.case import Case
+from yade_scripts.driving import pushed_of
 
 STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
@@ -159,7 +160,8 @@ def geometry_of(case: Case, before: Pose, now: Pose) -> Geometry:
     slope, turning = turning_slopes(case, before, now)
     if case.live is None:
         return Geometry(turning, case.block_size / case.support_speed, slope)
-    return Geometry(turning / case.weight, case.block_size / largest_speed(before, now), slope / case.weight)
+    pushed = float(pushed_of(case).sum())
+    return Geometry(turning / pushed, case.block_size / largest_speed(before, now), slope / pushed)
 
 
 def turning_slopes(case: Case, first: Pose, last: Pose) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from yade import Omega
 from la_core.exchange import SETTLEMENT
 from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
+from yade_scripts.driving import pushed_of
 from yade_scripts.plateau import Pose
 
 
@@ -218,7 +219,7 @@ class Record:
         return along
 
     def _mean_place(self) -> float:
-        pushed = self._mass * float(np.linalg.norm(self.case.gravity)) + self.case.live_load[self.case.free, :3] @ self.case.live
+        pushed = pushed_of(self.case)
         return float(pushed @ self.along("pos") / pushed.sum())
 
     def rotation(self, block: int) -> np.ndarray:

@@ -46,19 +46,19 @@ class Results:
     def per_motion(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of limit analysis per unit of the motion that YADE records: of the support, or along the live load, m.
 
-        Those of a live load are per unit power of the unit load, which is the weight times the mean velocity along it.
+        The motion along a live load is the mean of the centroids', weighted by the load on each block; NaN where it is not above 0.
         """
-        return twists * self.analysis.assembly.weight if self.scene.live is not None else twists
+        if self.scene.live is None:
+            return twists
+        load = self.analysis.assembly.live_load[:, :3]
+        return _over(twists, float(np.sum(load * twists[:, :3]) / np.linalg.norm(load, axis=1).sum()))
 
     def per_drive(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.
 
-        The inverse of `per_motion`; NaN where a live load has no power on these twists.
+        The inverse of `per_motion`; NaN where the power of a live load on these twists is not above 0.
         """
-        if self.scene.live is None:
-            return twists
-        power = float(np.sum(self.analysis.assembly.live_load * twists))
-        return twists / power if power > 0.0 else np.full_like(twists, np.nan)
+        return twists if self.scene.live is None else _over(twists, float(np.sum(self.analysis.assembly.live_load * twists)))
 
     @property
     def stiffening(self) -> float:
@@ -87,6 +87,11 @@ class Results:
     @property
     def _turns(self) -> bool:
         return self.analysis.assembly.effects.rotation == "finite"
+
+
+def _over(twists: np.ndarray, size: float) -> np.ndarray:
+    """Return twists (B, 6) over a size; NaN where it is not above 0."""
+    return twists / size if size > 0.0 else np.full_like(twists, np.nan)
 
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:

@@ -123,7 +123,7 @@ class Answer(Tabled):
         """Twists (B, 6) of all blocks per unit motion of the support, in the order of `scene.blocks.names`; NaN without any.
 
         A twist is (vx, vy, vz, wx, wy, wz) about the centroid, from the prediction, else from the associated answer. Under a
-        live load twists are per N m of its work; times `scene.weight`, per m of mean displacement, as in `comparison.Run`.
+        live load twists are per N m of its work; `comparison.Run` has them per m of mean displacement along the load.
         """
         return self._shown.twists.copy()
 

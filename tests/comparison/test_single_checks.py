@@ -66,10 +66,12 @@ def test_the_speed_of_a_stack_that_tips_is_the_one_that_the_servo_holds() -> Non
     assert overall(found)[0] is Verdict.AGREE
 
 
-def test_one_of_two_like_columns_may_tip_alone() -> None:
+@pytest.mark.parametrize("pressed", [False, True], ids=["bare", "under forces that are not pushed"])
+def test_one_of_two_like_columns_may_tip_alone(pressed: bool) -> None:
     """Both tip under the same multiplier, so no mechanism is the only one."""
     columns = [scenes.box(f"column {k}", (1.2 * k, 0.0, 0.0), (1.2 * k + 0.5, 0.15, 0.7)) for k in range(2)]
-    analysis = pushed(*columns, friction=0.9)
+    force = scenes.table("[load]", blocks=["column *"], force=(0.0, 0.0, -2000.0))
+    analysis = pushed(*columns, *([force] if pressed else []), friction=1.5)
     bound, blocks = analysis.bounds[Drive.LIVE], analysis.assembly.blocks
     alone = np.zeros_like(bound.twists)
     alone[1, 4] = 1.0
@@ -105,6 +107,17 @@ def test_the_force_sums_under_a_live_load_are_those_of_equilibrium_at_yades_own_
     if verdict is Verdict.DISAGREE:  # the values are those of one cut and axis: here of the weight
         assert check.limit_analysis == pytest.approx(0.5 * analysis.assembly.weight, rel=1e-6)
         assert check.yade == pytest.approx(shares[2] * check.limit_analysis)
+
+
+def test_a_mechanism_per_motion_along_a_live_load_moves_the_pushed_weight_by_one_on_the_mean() -> None:
+    """A dead load that is a force is part of the weight, but it is not pushed; a mass beside the centroid is pushed with its block."""
+    courses = [scenes.box(f"block {k}", (0.0, 0.0, 0.5 * k), (0.4, 0.15, 0.5 * (k + 1))) for k in range(2)]
+    force = scenes.table("[load]", blocks=["block 1"], force=(0.0, 0.0, -3000.0))
+    mass = scenes.table("[load]", blocks=["block 1"], mass=50.0, at=(0.2, 0.075, 1.0))
+    analysis = pushed(*courses, force, mass, friction=0.9)
+    load = np.linalg.norm(analysis.assembly.live_load[:, :3], axis=1)
+    twists = Results(analysis).per_motion(analysis.bounds[Drive.LIVE].twists)
+    assert load @ twists[:, 0] / load.sum() == pytest.approx(1.0)
 
 
 def test_a_mechanism_against_the_load_has_no_measure_per_power_of_the_load() -> None:

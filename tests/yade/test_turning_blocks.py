@@ -41,12 +41,16 @@ def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_
 
 
 @pytest.mark.parametrize(("live", "slope", "lever"), [(None, 30.0, 0.08), (np.array([1.0, 0.0, 0.0]), 0.03, 0.1)])
-def test_geometry_is_told_per_radian_of_a_support_and_per_weight_of_a_live_load(
+def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_live_load(
     live: Any, slope: float, lever: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Blocks of 0.4 m: the support moves 5 m a radian, and the fastest block 4 times as far as the load."""
+    """Blocks of 0.4 m: the support moves 5 m a radian, and the fastest block 4 times as far as the load.
+
+    Of the weight of 5 kN, 4 kN are a dead load that is not pushed.
+    """
     monkeypatch.setattr(plateau, "turning_slopes", lambda *_: (30.0, 50.0))
-    one: Any = SimpleNamespace(live=live, weight=1000.0, block_size=0.4, support_speed=5.0)
+    masses = {"mass": np.array([0.0, 40.0, 60.0]), "free": np.array([1, 2]), "gravity": np.array([0.0, 0.0, -10.0])}
+    one: Any = SimpleNamespace(live=live, live_load=np.zeros((3, 6)), weight=5000.0, block_size=0.4, support_speed=5.0, **masses)
     moved = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -8e-4]])
     first, last = (plateau.Pose(settlement, settlement / 2e-4 * moved, moved, moved) for settlement in (0.0, 2e-4))
     found = plateau.geometry_of(one, first, last)

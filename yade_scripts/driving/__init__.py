@@ -1,7 +1,7 @@
 """What moves a structure in a run, supports or the servo of a live load, and what keeps its blocks from swinging."""
 
-from yade_scripts.driving.servo import LARGEST_MULTIPLIER, Servo, servo_of
+from yade_scripts.driving.servo import LARGEST_MULTIPLIER, Servo, pushed_of, servo_of
 from yade_scripts.driving.supports import drives_of, ramp, set_speed
 from yade_scripts.driving.swing import SwingDamper, swing_damper
 
-__all__ = ["LARGEST_MULTIPLIER", "Servo", "SwingDamper", "drives_of", "ramp", "servo_of", "set_speed", "swing_damper"]
+__all__ = ["LARGEST_MULTIPLIER", "Servo", "SwingDamper", "drives_of", "pushed_of", "ramp", "servo_of", "set_speed", "swing_damper"]

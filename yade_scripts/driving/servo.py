@@ -112,6 +112,12 @@ class Servo:
         return self.multiplier(elapsed, self.weighted(blocks.along("vel")))
 
 
+def pushed_of(case: Case) -> np.ndarray:
+    """Return the live load (F,) of multiplier 1 on each free block, N; nothing pushes a dead load that is given as a force."""
+    assert case.live is not None
+    return np.asarray(case.mass[case.free] * np.linalg.norm(case.gravity) + case.live_load[case.free, :3] @ case.live)
+
+
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
     gravity = float(np.linalg.norm(case.gravity))

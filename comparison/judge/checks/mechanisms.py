@@ -94,8 +94,8 @@ def _otherwise(results: Results, twists: np.ndarray, determined: bool, is_alone:
 def _is_collapse_mechanism(results: Results, twists: np.ndarray) -> bool:
     """Return whether twists (B, 6) for a unit motion of the support solve limit analysis, too: they obey the flow rule and do its work."""
     analysis = results.analysis
-    work = float(np.sum(analysis.assembly.dead_load * twists))
-    value = -work / analysis.assembly.weight if results.scene.live is not None else work
+    work = float(np.sum(analysis.assembly.dead_load * results.per_drive(twists)))
+    value = -work if results.scene.live is not None else work
     misses = abs(value - analysis.bounds[analysis.main].value)
     obeys = residuals.flow_rule_violation(analysis.assembly, twists) <= ADMISSIBLE
     return obeys and misses <= reaction_tolerance(results)

@@ -64,7 +64,7 @@ class ElasticJoints:
     weights, live_load : (n,) array
         Dead load, and the live load over `live_size`.
     live_size : float
-        Sum over the blocks of the live load per unit multiplier; 1 for a settlement.
+        Sum over the blocks of the live load per unit multiplier, its moments over the mean block size; 1 for a settlement.
     mass : (n,) array
         Share of the mass that moves with each freedom; it weights the drag.
     normal, shear : float
