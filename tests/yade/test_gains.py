@@ -11,6 +11,7 @@ from yade_scripts.driving import LARGEST_MULTIPLIER, servo_of, swing_damper
 from yade_scripts.driving.servo import LAG, Servo
 from yade_scripts.expected_steps import RESTING, SETTLING, expected_steps
 
+PUSH = np.array([1.0, 0.0, 0.0])
 GRAVITY, SAG = 9.81, 4.0e-5  # m/s2, m: at the stiffness of the case
 FREQUENCY = 2.0 * math.sqrt(GRAVITY / SAG)  # rad/s, of joints four times as stiff, which sag a quarter as far
 USUAL: dict[str, Any] = {
@@ -19,9 +20,12 @@ USUAL: dict[str, Any] = {
 }  # fmt: skip
 
 
-def case_of(live: Any = None) -> Any:
-    gravity = np.array([0.0, 0.0, -GRAVITY])
-    return SimpleNamespace(gravity=gravity, sag=SAG, normal_stiffness=1e6, live=live, plane=True, free=np.array([0]))
+def case_of(live: Any = None, floor: float = 0.0) -> Any:
+    """A free block of 50 kg, which carries a floor of so many kilograms."""
+    gravity, load = np.array([0.0, 0.0, -GRAVITY]), np.zeros((1, 6))
+    load[0, 0] = GRAVITY * floor
+    block = {"mass": np.array([50.0]), "live_load": load, "free": np.array([0])}
+    return SimpleNamespace(gravity=gravity, sag=SAG, normal_stiffness=1e6, live=live, plane=True, **block)
 
 
 def settings_of(**changes: float) -> Any:
@@ -29,9 +33,16 @@ def settings_of(**changes: float) -> Any:
 
 
 def test_the_servo_is_a_spring_and_a_dashpot_of_a_share_of_the_frequency_of_the_sag() -> None:
-    servo, frequency = servo_of(case_of(), settings_of()), 0.1 * FREQUENCY
+    servo, frequency = servo_of(case_of(PUSH), settings_of()), 0.1 * FREQUENCY
     assert servo.spring == pytest.approx(frequency**2 / GRAVITY) and servo.dashpot == pytest.approx(2.0 * frequency / GRAVITY)
     assert servo.every == int(LAG / (2.0 * frequency * 2e-6)) and servo.window == pytest.approx(1.0 / frequency)
+
+
+def test_the_servo_looks_oftener_where_a_floor_is_pushed_that_has_no_inertia() -> None:
+    """Under a floor of 24 times its mass a block answers 25 times as fast: 0.2 would be a decay of 5 between two looks, which grows."""
+    bare, under_floor = (servo_of(case_of(PUSH, floor), settings_of()) for floor in (0.0, 1200.0))
+    assert under_floor.every == pytest.approx(bare.every / 25.0, abs=1.0)
+    assert (under_floor.spring, under_floor.dashpot) == (bare.spring, bare.dashpot)
 
 
 def test_blocks_that_stand_bear_a_multiplier_after_its_loading_time() -> None:
@@ -76,7 +87,7 @@ def test_a_quick_attempt_is_followed_by_one_at_the_run_s_own_speed_which_takes_l
 
 
 def test_a_live_load_takes_the_time_to_its_multiplier_and_never_more_than_the_whole_travel() -> None:
-    one, chosen = case_of(np.array([1.0, 0.0, 0.0])), settings_of()
+    one, chosen = case_of(PUSH), settings_of()
     per_multiplier = servo_of(one, chosen).loading_time(1.0)
     found = expected_steps(one, chosen, 1.0)
     assert found.settling == pytest.approx(SETTLING * (0.01 + per_multiplier + 0.02) / 2e-6)
