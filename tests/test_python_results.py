@@ -310,6 +310,7 @@ def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
         (lambda: answer.plot(["reaction"]), 'unknown name; did you mean "reaction"'),
         (lambda: la_core.variant(pads, [("joint.friction", 0.3)]), "changes = .* must be a table"),
         (lambda: la_core.build(tables, name=3), "name = 3: must be a text"),
+        (lambda: la_core.variant(pads, {"joint.friction": 0.3}, name=3), "name = 3: must be a text"),
         (lambda: la_core.build(None), "tables: must be a table"),
     ):
         with pytest.raises(la_core.SceneError, match=words):

@@ -66,8 +66,6 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     """
     if not isinstance(tables, Mapping):
         raise SceneError("tables", "must be a table", value=tables)
-    if not isinstance(name, str):
-        raise SceneError("name", "must be a text", value=name)
     place = path_of("folder", folder)
     return _built(_plain(dict(tables), ""), name, place)
 
@@ -141,6 +139,8 @@ def full_model(scene: Scene) -> Scene:
 
 def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> Scene:
     """A scene of plain tables; messages name `where`, else its file. Its path is absolute: the program may go to another folder."""
+    if not isinstance(name, str):
+        raise SceneError("name", "must be a text", value=name)
     made = scene_of_text(tomli_w.dumps(tables), folder / f"{name}.toml", name, where=where)
     return replace(made, path=made.path.absolute())
 
