@@ -15,7 +15,7 @@ from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
 from comparison.verdict import BEARS_NOTHING, CARRIED_OUT, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
-from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
+from la_core.analysis import LimitAnalysis, answer_values
 from la_core.exchange import RUN_FIELDS
 from la_core.geometry import nearest_gap
 from la_core.limit import Status
@@ -53,8 +53,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
 
 def limit_analysis_values(analysis: LimitAnalysis) -> dict[str, Any]:
     """Return what limit analysis found, as a part of its summary: the tables that `solve` prints."""
-    values = {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
-    return without_undefined(values)
+    return without_undefined(answer_values(analysis))
 
 
 def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -6,7 +6,7 @@ from la_core.analysis.answer import Answer, answer_headings, answer_rows, solve
 from la_core.analysis.case_file import write_case
 from la_core.analysis.decisions import DecidedModel, decided_model
 from la_core.analysis.modelling import StructuralModel, drives, has_given_stiffness, smallest_inset, structural_model, wedging
-from la_core.analysis.result import Attempt, LimitAnalysis, associated_values, coulomb_values, path_values
+from la_core.analysis.result import Attempt, LimitAnalysis, answer_values, associated_values, coulomb_values
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.analysis.stage import analyse
 
@@ -24,6 +24,7 @@ __all__ = [
     "analyse",
     "answer_headings",
     "answer_rows",
+    "answer_values",
     "associated_values",
     "case_file",
     "coulomb_values",
@@ -32,7 +33,6 @@ __all__ = [
     "has_given_stiffness",
     "has_history",
     "lacks_sharp_prediction",
-    "path_values",
     "reach",
     "scale",
     "shared_parts",
