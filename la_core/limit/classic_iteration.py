@@ -9,7 +9,7 @@ falls with n rewards a sliding joint for a smaller normal force. Where one mecha
 iteration therefore tends to the end of the interval at which sliding joints carry the smallest normal forces.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -106,7 +106,7 @@ class ClassicSolution:
     dilation: float
     penetration: float
     seconds: float
-    parameters: ClassicParameters = field(default_factory=ClassicParameters)
+    parameters: ClassicParameters
 
 
 def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicParameters | None = None) -> ClassicSolution:
