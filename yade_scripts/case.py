@@ -173,7 +173,7 @@ class Case:
 
     @cached_property
     def support_speed(self) -> float:
-        """Largest speed of a contact point of the support per unit settlement speed: 1 for translations and live loads, m for rotations."""
+        """Largest speed of a support's contact point per unit settlement speed: its share, or m for rotations; 1 for live loads."""
         if self.live is not None:
             return 1.0
         moved = self.support_twists[self.block_b] - self.support_twists[self.block_a]

@@ -45,7 +45,8 @@ class Protocol:
     progress : callable
         Receives stage, time steps of the attempt so far, settlement and reaction of each row.
     near : NearFaces or None
-        Faces near the spheres that they do not touch: the run ends where one of them may be met. None where YADE looks for new contacts.
+        Faces near the spheres that they do not touch: the run ends where one of them may be met.
+        None where YADE looks for new contacts, or none can form.
     met_face : bool
         Whether it ended so.
     dropped_steps : int

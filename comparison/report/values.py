@@ -28,7 +28,7 @@ MEANINGS = {  # what the values are, by their unit
     "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No state in balance on "
     f"these contact points lies above the associated one; {_STONE}",
 }
-NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `la_core.coulomb.stated_interval` withholds one
+NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `stated_interval` withholds one
 ROUND_OFF = 1e-9  # of a stiffness
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 

@@ -158,7 +158,7 @@ class Run:
         Raises
         ------
         SceneError
-            The assembly is that of another scene.
+            The assembly has another number of blocks or contact points than the run.
         """
         sizes = self.poses.displacement.shape[1:2] + self.poses.forces.shape[1:2]
         if sizes != (len(assembly.blocks), len(assembly.points)):

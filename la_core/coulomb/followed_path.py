@@ -31,7 +31,7 @@ BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square o
 # median: about as the root of the force, as does the law itself.
 SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
-MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
+LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
@@ -46,8 +46,8 @@ class PredictionSettings:
     ----------
     viscosities : tuple of float
         First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first; more for large
-        structures. Where paths disagree, one with a tenth of the least viscosity follows, if the effort allows. Where the value after a
-        release is uncertain, one follows that takes finer steps, too.
+        structures with sharp joints, LESS_VISCOUS times as much with smooth ones. Where paths disagree, one with a tenth of the least
+        viscosity follows, if the effort allows. Where the value after a release is uncertain, one follows that takes finer steps, too.
     finer : float
         Factor by which the limits of a step are divided.
     effort : float
@@ -208,7 +208,7 @@ def follow_large(
     travel, least, most = first_travel(joints), least_travel(joints), MORE_EFFORT * most_iterations(joints, settings)
     force = 1.0 / len(joints.friction)  # mean contact force
     smooth, sharp = SMOOTH * first * force, min(SMOOTH * first, SMOOTH_END) * force
-    viscosity = Falling(MORE_VISCOUS * first, min(MORE_VISCOUS * first, LAST_OF_SMOOTH), travel)
+    viscosity = Falling(LESS_VISCOUS * first, min(LESS_VISCOUS * first, LAST_OF_SMOOTH), travel)
     rest, _ = come_to_rest(joints, tangent, wedging, smooth)
     if rest is None:
         return None

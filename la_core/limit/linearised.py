@@ -13,7 +13,7 @@ cone.
 
 HiGHS is given the static form, with forces along the edges of the pyramids as unknowns,
     least offset . z   subject to   rows' z = -power,   z >= 0
-(rows, offset and power as in `la_core.limit.DrivenProblem`); the multipliers are the mechanism. The kinematic form
+(rows, offset and power as in `la_core.limit.problem.DrivenProblem`); the multipliers are the mechanism. The kinematic form
 takes as long, and the static form keeps the forces exactly within the pyramids. (Linear programmes of limit analysis:
 Livesley 1978; HiGHS: Huangfu & Hall 2018, doi 10.1007/s12532-017-0130-5.)
 """

@@ -10,7 +10,7 @@ from la_core.limit.conic import ProgrammeOutcome, optimum
 from la_core.limit.problem import scaled_problem
 from la_core.model import Assembly, columns
 
-LEVELS = (0.25, 0.5, 0.75)  # of the height of the structure: horizontal cuts
+LEVELS = (0.25, 0.5, 0.75)  # of the height between the lowest and the highest centroid of a free block: horizontal cuts
 
 
 def support_force(assembly: Assembly, forces: np.ndarray) -> np.ndarray:

@@ -138,7 +138,7 @@ class Assembly:
 
     @cached_property
     def support_speed(self) -> float:
-        """Largest speed of a support's contact point per unit motion; 1 for a translation or a live load, m for a rotation."""
+        """Largest speed of a support's contact point per unit motion: its share of a translation; m for a rotation; 1 for a live load."""
         if self.has_live_load:
             return 1.0
         return float(np.linalg.norm(self.relative_velocity(self.support_twist), axis=1).max())

@@ -9,7 +9,7 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 
 
 def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
-    """Speed of the fastest support point per unit motion (1; m for a rotation), and the support twists (B, 6) over it.
+    """Speed of the fastest support point per unit motion (`Assembly.support_speed`; 1 at rest), and the support twists (B, 6) over it.
 
     sign: 1 for a support that moves with the settlement, -1 for one that moves against it, 0 for one at rest.
     """

@@ -59,7 +59,10 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
 
 
 def settled(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float, farthest: float = np.inf) -> tuple[State | None, int]:
-    """State at rest under the whole weight, from one before, and Newton iterations; None where a block moves by more than `farthest`."""
+    """State at rest under the whole weight, from one before, and Newton iterations.
+
+    None where a block moves by more than `farthest`, or where the blocks never come to rest.
+    """
     drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
     start, iterations = state.blocks, 0
     for _ in range(MOST_REST_STEPS):
