@@ -81,8 +81,8 @@ class Assembly:
     live_load: np.ndarray
     support_twist: np.ndarray
     aside: np.ndarray
-    slivers: int = 0
-    is_rotation: bool = False
+    slivers: int
+    is_rotation: bool
 
     @property
     def short_joints(self) -> int:
