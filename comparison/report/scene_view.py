@@ -229,9 +229,9 @@ def _curve(comparison: dict[str, Any], tilts: bool) -> str:
     if tilts:
         return "Tangent of the tilt angle, and the angle, against displacement."
     if comparison.get("unit") == "N m":
-        return "Moment on the support against its rotation, from rest."
+        return "Moment of the support against its rotation, from rest."
     live = "multiplier" in associated_of(comparison)
-    return "Load multiplier against displacement." if live else "Force on the support against its motion, from rest."
+    return "Load multiplier against displacement." if live else "Force of the support against its motion, from rest."
 
 
 def _record_words(yade: dict[str, Any]) -> str:

@@ -245,7 +245,7 @@ def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
     page = report.write_report(tmp_path, [turning], {}).read_text(encoding="utf-8")
     for words in (
         "R is the moment of the support against its rotation",
-        "Moment on the support against its rotation",
+        "Moment of the support against its rotation, from rest.",  # what the structure does to it acts along its rotation
         "rotation imposed in YADE",
     ):
         assert words in page
