@@ -15,6 +15,7 @@ LOWER = "this is the lower bound of limit analysis, because no Coulomb predictio
 UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
 ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
+HELD_BACK = 1e-6  # of W (or of W times 1 m): a smaller negative reaction is a rounding error
 
 
 def plain_words(comparison: dict[str, Any], units: Units) -> list[str]:
@@ -57,7 +58,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if exists(predicted) and exists(weight) and weight:
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         by_motion = "settles" in moves or not moves
-        of_force = "The support then still carries" if by_motion else "The force on the support along its motion is then"
+        carried = by_motion and not predicted < -HELD_BACK * weight
+        of_force = "The support then still carries" if carried else "The force on the support along its motion is then"
         if facts.get("motions"):
             supports = "support" if sum(len(one["names"]) for one in facts["motions"]) == 1 else "supports"
             of_force = f"The forces on the {supports}, each times the share of the settlement at its place, are then together"
@@ -66,6 +68,9 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         yield f"{carries} at least {value}: {LOWER}." if is_bound else f"{carries} {value}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
+    if exists(predicted) and exists(weight) and predicted < -HELD_BACK * weight and not is_bound:
+        effort = "a force of this size must move" if unit == "N" else "a moment of this size must turn"
+        yield f"The minus says that the structure holds the support back: {effort} it."
 
 
 def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:

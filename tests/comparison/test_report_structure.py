@@ -144,6 +144,7 @@ def test_each_method_s_joints_have_their_own_stiffness(settings: dict[str, float
 
 
 FACTS = {"friction": [0.6], "motion": [0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "gravity": [0.0, 0.0, -9.81], "live": [1.0, 0.0, 0.0]}
+ASSUMED = "Assumed: friction coefficient 0.6, dry joints without mortar, cohesion or tension, rigid blocks that do not crush."
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -169,6 +170,25 @@ def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: s
     told = " ".join(plain_words(comparison, Units(50.0)))
     assert (bound in told) != known and (value in told) == known, told
     assert predicted_value(comparison) == answer[quantity]
+
+
+@pytest.mark.parametrize(
+    ("motion", "unit", "reaction", "words"),
+    [
+        ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "N", 500.0, ""),
+        ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "N", -1e-9, ""),  # nothing but rounding errors
+        ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "N", -500.0, "holds the support back: a force of this size must move it."),
+        ([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], "N", -500.0, "holds the support back: a force of this size must move it."),
+        ([0.0, 0.0, 0.0, 0.0, 1.0, 0.0], "N m", -500.0, "holds the support back: a moment of this size must turn it."),
+    ],
+)
+def test_the_conclusion_says_what_a_negative_reaction_means(motion: list[float], unit: str, reaction: float, words: str) -> None:
+    """A wedge that sinks between two blocks and drives them apart carries nothing: the conclusion said that it carries -500 N."""
+    answer = {"status": "solved", "reaction": reaction}
+    comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS | {"motion": motion}}
+    told = " ".join(plain_words(comparison | {"weight": 1000.0, "unit": unit}, Units(50.0)))
+    assert told.endswith(f"The minus says that the structure {words} {ASSUMED}") if words else "holds the support back" not in told
+    assert ("still carries" in told) == (not words)
 
 
 def test_the_conclusion_names_the_weight_that_is_pushed() -> None:
