@@ -43,7 +43,7 @@ class MechanismMeasures:
     dissipated_power : float
         Sum of these powers.
     dissipated_share : float
-        Dissipated power over the power of the sinking weights; NaN under a live load, which does the work there.
+        Dissipated power over the power of the sinking weights; NaN where none sinks, and under a live load, which does the work there.
     participation_index : float
         Distribution of the dissipation over the interfaces, see `participation_index`.
     moving_mass_share : float
@@ -79,7 +79,7 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
     known = bool(np.isfinite(twists).all() and np.isfinite(forces).all())
     states = contact_states(assembly, twists, forces, threshold)
     dissipation = interface_dissipation(assembly, twists, forces, states)
-    total, settling = float(dissipation.sum()), 0.0 if assembly.has_live_load else settling_power(assembly, twists)
+    total, settling = float(dissipation.sum()), 0.0 if assembly.has_live_load else settling_power(assembly, twists, threshold)
 
     def count(state: ContactState) -> float:
         return float(np.sum(states == state)) if known else float("nan")
@@ -155,9 +155,14 @@ def interface_dissipation(assembly: Assembly, twists: np.ndarray, forces: np.nda
     return np.bincount(assembly.points.interface, weights=power, minlength=len(assembly.interfaces))
 
 
-def settling_power(assembly: Assembly, twists: np.ndarray) -> float:
-    """Power of the sinking weights, sum of max(w . v, 0) over the blocks; lifted weights do not count."""
-    return float(np.maximum(np.sum(assembly.dead_load * twists, axis=1), 0.0).sum())
+def settling_power(assembly: Assembly, twists: np.ndarray, threshold: float = THRESHOLD) -> float:
+    """Power of the sinking weights, sum of max(w . v, 0) over the blocks; lifted weights do not count.
+
+    It is 0 where no block sinks faster than `threshold`, as a share of the fastest speed: what is left is strain and rounding errors.
+    """
+    power = np.sum(assembly.dead_load * twists, axis=1)
+    noise = threshold * mechanism.fastest_speed(assembly, twists) * np.linalg.norm(assembly.dead_load[:, :3], axis=1)
+    return float(np.maximum(power, 0.0).sum()) if np.any(power > noise) else 0.0
 
 
 def participation_index(dissipation: np.ndarray) -> float:

@@ -127,6 +127,27 @@ def test_participation_counts_the_interfaces_that_share_equally(count: int) -> N
     assert participation_index(1e-200 * power) == pytest.approx(count / interfaces)
 
 
+@pytest.mark.parametrize(("sinks", "known"), [(0.0, False), (1e-6, False), (0.2, True)])
+def test_where_no_weight_sinks_there_is_no_share_of_its_work(sinks: float, known: bool) -> None:
+    """A plate is drawn out from under a block, which strains its joints at most: reports said 1.4e8 % of the settling weight's work."""
+    friction = 0.5
+    held = (
+        scenes.box("plate", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),
+        scenes.box("stop", (1.0, 0.0, 0.0), (1.5, 1.0, 0.4), "fixed"),
+    )
+    block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.4))
+    scene = scenes.build(*held, block, friction=friction, settlement=(1.0, 0.0, 0.0))
+    assembly, solution = solved(scene)
+    twists = np.zeros((len(assembly.blocks), 6))
+    twists[assembly.blocks.names.index("plate"), 0] = 1.0
+    twists[assembly.blocks.names.index("block"), 2] = -sinks
+    measures = measure(assembly, twists, solution.forces)
+    assert measures.dissipated_power > 0.0
+    assert np.isfinite(measures.dissipated_share) == known
+    if known:
+        assert measures.dissipated_share == pytest.approx(measures.dissipated_power / (sinks * assembly.weight))
+
+
 def test_participation_is_undefined_where_nothing_dissipates() -> None:
     assert np.isnan(participation_index(np.zeros(5)))
     assert np.isnan(participation_index(np.zeros(0)))
