@@ -8,6 +8,7 @@ import numpy as np
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
+from la_core.scene.schema.masonry import SIDES
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.text_table import place_text
 
@@ -18,6 +19,7 @@ WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonne
 GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
 UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be level
 MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
+ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
 NAMED = 3  # blocks named in one warning
 
 
@@ -50,6 +52,7 @@ def implausible(
     return (
         *_of_friction(file.joint.friction),
         *_of_angles(file),
+        *_of_floors(file, blocks),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
         *_of_sizes(blocks),
         *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
@@ -76,6 +79,21 @@ def _of_angles(file: SceneFile) -> Iterator[str]:
         if angle <= RADIANS:
             meant = f"{angle:g} radians are {math.degrees(angle):.4g} degrees"
             yield f"{table}.embrace = {angle:g} is a very small angle; it is in degrees: {meant}."
+
+
+def _of_floors(file: SceneFile, blocks: Blocks) -> Iterator[str]:
+    """Yield a warning for each floor on a course that an arch over an opening cuts: its voussoirs belong to no course."""
+    low, high = blocks.low[:, 2], blocks.high[:, 2]
+    for building in file.building:
+        for floor in building.floor:
+            middle = building.origin[2] + (floor.course - 0.5) * building.block[2]
+            beside = np.flatnonzero(np.abs(low + high - 2.0 * middle) < (high - low + building.block[2]) * ALL_BUT)
+            for side in floor.sides or SIDES[building.plan]:
+                if any(blocks.names[block].startswith(f"{building.name} {side} arch ") for block in beside):
+                    yield (
+                        f'building "{building.name}": voussoirs in course {floor.course} of the wall "{side}" carry nothing of the floor '
+                        "on this course. Put it on a course above the arch, or load the voussoirs by a [[load]]."
+                    )
 
 
 def _of_densities(densities: Sequence[float]) -> Iterator[str]:

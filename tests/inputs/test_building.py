@@ -114,6 +114,17 @@ def test_a_floor_without_sides_lies_on_all_walls() -> None:
     assert loaded.weight - building().weight == pytest.approx(500.0 * PLANS["rectangle"][1] * 9.81, rel=1e-9)
 
 
+@pytest.mark.parametrize(("course", "is_warned_of"), [(2, False), (3, True), (4, True), (5, False)])
+def test_a_floor_on_a_course_that_an_arch_cuts_is_warned_of(course: int, is_warned_of: bool) -> None:
+    """A floor right above the crown lost more than half of its mass without a word: voussoirs carry none of it."""
+    arch = opening("south", (0.8, 0.2), (1.6, 0.4), 0.2, head="arch", rise=0.2, voussoirs=5)
+    floors = [scenes.table("[building.floor]", course=course, mass=100.0, **sides) for sides in ({"sides": ["south"]}, {"sides": ["west"]})]
+    told = [words for words in building("L", extra="\n".join([arch, *floors])).warnings if "floor" in words]
+    assert len(told) == is_warned_of
+    if is_warned_of:
+        assert f'voussoirs in course {course} of the wall "south"' in told[0]
+
+
 @pytest.mark.parametrize(
     ("region", "settling"),
     [

@@ -157,7 +157,10 @@ class BuildingOpening(Opening):
 
 
 class Floor(Table):
-    """A floor on walls: its mass per metre of wall is added to the blocks of one course."""
+    """A floor on walls: its mass per metre of wall is added to the blocks of one course, but not to voussoirs over an opening.
+
+    A corner block belongs to the wall that runs through in this course: in odd courses the walls along x, in even ones those along y.
+    """
 
     course: Count = described("course whose blocks carry the floor, counted from 1 at the bottom")
     mass: Positive = described("mass of the floor per metre of wall", "kg/m")
