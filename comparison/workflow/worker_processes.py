@@ -24,6 +24,7 @@ ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because
 GRACE = 3.0  # s for a worker to end YADE and finish its files
 AGAIN = 0.01  # s until a worker whose stop Python dropped is stopped once more
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+NOT_FROM_HERE = {"PYTHONSAFEPATH": "1"}  # else a starting worker loads a signal.py of the current folder, which may come from anybody
 _CONTEXT = multiprocessing.get_context("spawn")
 
 Work = TypeVar("Work")
@@ -111,7 +112,7 @@ class _Worker:
         self.process = _CONTEXT.Process(target=_serve, args=(function, theirs), daemon=True)
         self.work: Any = None
         self.attempt = 0
-        with _environment(ONE_THREAD), _interruptions_held(), _script_hidden():
+        with _environment(ONE_THREAD | NOT_FROM_HERE), _interruptions_held(), _script_hidden():
             self.process.start()
         theirs.close()
 

@@ -141,8 +141,8 @@ def checked(installation: Installation) -> Yade:
     """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
     python, modules = installation.python, installation.modules
     try:
-        answer = subprocess.run(
-            [python, "-s", "-c", _PROBE, modules, SCRIPTS],
+        answer = subprocess.run(  # isolated (-I): a numpy.py of the current folder, which may come from anybody, is not loaded
+            [python, "-I", "-c", _PROBE, modules, SCRIPTS],
             env=yade_environment(), capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:

@@ -56,6 +56,37 @@ def test_nothing_listens_during_a_run(tmp_path: Path) -> None:
     assert not seen
 
 
+# --- programs -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "two_pads", "slab_four_corners", "--no-yade", "--workers", "2", "-o", "out"),
+        pytest.param(("doctor",), marks=pytest.mark.yade),
+    ],
+)
+def test_no_program_of_the_current_folder_is_run(words: tuple[str, ...], tmp_path: Path) -> None:
+    """A folder of scenes may come from anybody, and Python loads modules from the current folder where nobody forbids it."""
+    for name in ("signal", "pickle", "multiprocessing", "numpy", "h5py"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('loaded from the current folder')\n", encoding="utf-8")
+    command = tmp_path / "bin" / "crosscheck"  # as pip writes it
+    command.parent.mkdir()
+    command.write_text(
+        "import sys\nfrom comparison.__main__ import main\nif __name__ == '__main__':\n    sys.exit(main())\n", encoding="utf-8"
+    )
+    ended = subprocess.run(
+        [sys.executable, command, *words],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "loaded from the current folder" not in ended.stdout + ended.stderr
+
+
 # --- texts --------------------------------------------------------------------------------------------------------------------
 
 OBEYED = {"escape": "\\u001b[2J", "C1": "\\u009b2J", "bell": "\\u0007", "backspace": "\\b", "carriage return": "\\r", "override": "\\u202e"}
