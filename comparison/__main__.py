@@ -12,6 +12,7 @@ CANNOT_LOAD = 3  # TOOL of comparison.cli.exit_codes, which may be what cannot b
 def main() -> int:
     """Run the command line; returns its exit code."""
     _open_closed_streams()
+    os.environ["MPLBACKEND"] = "Agg"  # all figures are files; a backend that matplotlib no longer knows would end the command
     patient = signal.getsignal(signal.SIGINT)
     if patient is signal.default_int_handler:  # else somebody asked not to be interrupted
         signal.signal(signal.SIGINT, _stop_at_once)

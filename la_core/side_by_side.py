@@ -17,7 +17,7 @@ def cores() -> int:
 def threads() -> int:
     """Return the number of threads: OMP_NUM_THREADS, or else one for each core that this process may use."""
     given = os.environ.get("OMP_NUM_THREADS", "")
-    return max(1, int(given)) if given.isdigit() else cores()
+    return max(1, int(given)) if given.isdecimal() else cores()
 
 
 def side_by_side(

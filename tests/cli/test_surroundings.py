@@ -55,6 +55,19 @@ def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
     assert running.returncode == AGREE and "expected value met" in said
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "words"), [("MPLBACKEND", "Qt4Agg", "show two_pads -q -o pads.png"), ("OMP_NUM_THREADS", "²", "solve two_pads -q")]
+)
+def test_a_variable_meant_for_a_library_ends_no_command(
+    name: str, value: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A backend that matplotlib has dropped may stand in a profile for years."""
+    monkeypatch.setenv(name, value)
+    command, environment = [sys.executable, "-m", "comparison", *words.split()], {**os.environ, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == AGREE and not ended.stderr, ended.stderr
+
+
 @pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])
 def test_a_missing_part_is_named_with_what_completes_the_installation(part: str, tmp_path: Path) -> None:
     command = ["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]
