@@ -138,6 +138,10 @@ def visible(text: str) -> str:
     return CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
 
 
-def _short(value: object, limit: int = 80) -> str:
-    text = str(value).lower() if isinstance(value, bool) else repr(value)
+def shortened(text: str, limit: int = 80) -> str:
+    """At most `limit` characters of a text; dots stand for the rest."""
     return text if len(text) <= limit else text[: limit - 3] + "..."
+
+
+def _short(value: object) -> str:
+    return shortened(str(value).lower() if isinstance(value, bool) else repr(value))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from la_core.drawing import DRAWING_FORMATS
-from la_core.errors import SceneError
+from la_core.errors import SceneError, shortened
 from la_core.scene.schema.types import LARGEST_FILE
 
 _MESHES = (".obj", ".ply", ".stl")
@@ -45,6 +45,10 @@ _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that
     (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
 )
 _SAVE_AS_UTF_8 = "save the file in the encoding UTF-8; editors offer it beside the file's name"
+_LONGEST_LINE = 2000  # characters: in a longer line no slip is sought, because patterns take the square of its length
+_DEEPEST_KEY = 30  # parts between dots; Python's reader takes the square of their number
+_PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[A-Za-z0-9_-]++)[ \t]*+"""
+_DEEP_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}\.[ \t]*+){{{_DEEPEST_KEY}}}", re.MULTILINE)
 _TABLE_TWICE = "a table in single brackets stands once; tables of which a scene may have several have double brackets, as [[block]]"
 
 
@@ -96,10 +100,14 @@ def _refuse_other_kinds(path: Path) -> None:
 
 def tables_of(text: str, path: Path) -> dict[str, Any]:
     """The tables of a TOML text; raises SceneError, which names `path`, where it is not valid."""
+    if deep := _DEEP_KEY.search(text):
+        line = text.count("\n", 0, deep.start() + 1) + 1
+        raise SceneError(str(path), f"line {line}: a key has more than {_DEEPEST_KEY} parts between dots; no key of a scene has so many")
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # Python raises ValueError for a number of too many digits
-        raise SceneError(str(path), f"not valid TOML: {error}", hint=_slip(text, str(error))) from error
+        fault = "a number has too many digits" if "set_int_max_str_digits" in str(error) else shortened(str(error), 300)
+        raise SceneError(str(path), f"not valid TOML: {fault}", hint=_slip(text, str(error))) from error
 
 
 def refuse_a_campaign(data: dict[str, Any], path: Path) -> None:
@@ -114,6 +122,8 @@ def _slip(text: str, message: str) -> str:
     line = text.split("\n")[int(place[1]) - 1].strip(" \t") if place else ""
     if "Cannot declare" in message or "Cannot overwrite" in message:
         return _TABLE_TWICE if line.startswith("[") else "the key stands twice; give it once"
+    if len(line) > _LONGEST_LINE:
+        return ""
     if comment := re.match(rf"({_OUTSIDE})#", line):  # which may hold anything, as the formula that gives the number
         line = comment[1].rstrip(" \t")
     for pattern, hint in _SLIPS:

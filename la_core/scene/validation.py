@@ -8,7 +8,7 @@ from typing import Any, Literal, Union, get_args, get_origin
 
 import pydantic
 
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, nearest, shortened
 from la_core.scene.line_numbers import KeyPath, key_lines, line_of
 
 MOST_MESSAGES = 20  # of one file; more are counted
@@ -144,9 +144,9 @@ def _key_path(location: tuple[Any, ...], data: Any) -> str:
         except (KeyError, IndexError, TypeError):
             data = None
         if not isinstance(step, int):
-            names.append(str(step))
+            names.append(shortened(str(step)))
         elif isinstance(data, dict) and isinstance(data.get("name"), str):
-            names[-1] += f' "{data["name"]}"'
+            names[-1] += f' "{shortened(data["name"])}"'
         else:
             names[-1] += f"[{step}]"
     return ".".join(name for name in names if not _is_of_a_type(name))

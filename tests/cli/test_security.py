@@ -231,6 +231,43 @@ def test_a_scene_s_text_and_blocks_are_limited(tmp_path: Path, two_pads: str, mo
 WALL = "origin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 3\ncourses = 3\n"
 
 
+SLOW = {
+    "signs": "x = " + "=" * 60_000,
+    "braces": "x = " + "{" * 60_000 + "}",
+    "a deep key": "a." * 100_000 + "b = 1",
+    "a deep table": "[" + "a." * 100_000 + "b]",
+    "a deep key in quotes": '"a \\" b".' * 50_000 + "b = 1",
+    "a deep key in braces": "x = { " + "a." * 100_000 + "b = 1 }",
+}
+
+
+@pytest.mark.parametrize("line", SLOW.values(), ids=SLOW)
+def test_no_line_of_a_scene_takes_the_square_of_its_length(line: str, tmp_path: Path, two_pads: str) -> None:
+    """Each took minutes, the second half by Python's own reader."""
+    path = tmp_path / "scene.toml"
+    path.write_text(f"{two_pads}\n{line}\n")
+    begin = time.monotonic()
+    with pytest.raises(SceneError) as error:
+        load_scene(path)
+    assert time.monotonic() - begin < 10.0 and len(str(error.value)) < 300
+
+
+def test_numbers_and_words_between_dots_are_no_deep_key(tmp_path: Path, two_pads: str) -> None:
+    path = tmp_path / "scene.toml"
+    many = ", ".join(f"[{k}.5, 0.25, 1.0]" for k in range(50))
+    words = f'"{"..." * 50} a.b.c. {"1.2." * 50}"'
+    path.write_text(two_pads.replace('title   = "', f"# {'a.b.' * 50}\ntitle   = {words} #", 1) + f"# [{many}]")
+    assert load_scene(path).title == words.strip('"')
+
+
+@pytest.mark.parametrize("text", ["{} = 1\n", '[[block]]\nname = "{}"\n'])
+def test_a_message_does_not_repeat_a_long_name(text: str, tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(text.format("k" * 100_000) + two_pads if text.startswith("{") else two_pads + text.format("k" * 100_000))
+    assert main(["solve", str(path)]) == 2
+    assert len(capsys.readouterr().err) < 5000
+
+
 def test_a_result_s_file_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "file.h5"
     exchange.write(path, FIELDS, {"a/values": np.zeros((3, 3))}, "")

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import scipy
 
-from la_core.errors import SceneError, extra_hint, nearest
+from la_core.errors import SceneError, extra_hint, nearest, shortened
 from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, shape_of
 from la_core.scene.generators.wall import NamedShape
@@ -111,7 +111,7 @@ def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
 def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str], tolerance: float) -> Iterator[NamedShape]:
     turn = np.eye(3) if mesh.turn is None else _rotation(mesh)
     for (file, surface), role in zip(bodies, roles, strict=True):
-        where, name = f'mesh "{file.path}": body "{surface.name}"', f"{mesh.name} {surface.name}".strip()
+        where, name = f'mesh "{file.path}": body "{shortened(surface.name)}"', f"{mesh.name} {surface.name}".strip()
         if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
             raise SceneError(where, f"a body's name must be printable text of at most {LONGEST_NAME} characters")
         placed = replace(surface, vertices=mesh.scale * surface.vertices @ turn.T + np.array(mesh.shift))
