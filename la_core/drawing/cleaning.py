@@ -13,6 +13,7 @@ from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
+MOST_CUT = 1.1  # of the tolerance times the length of a hull: the area of dents within the tolerance, with a margin
 ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
 FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: outlines of its layer and colour fill it so far, or those of all layers
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
@@ -196,8 +197,10 @@ def _simplified(polygons: np.ndarray, tolerance: float) -> np.ndarray:
 def _without_dents(polygons: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
     """The polygons, convex where their dents are no deeper than the tolerance (m), and the mask of those that were made so."""
     hull = shapely.convex_hull(polygons)
-    dent = shapely.hausdorff_distance(shapely.boundary(hull), shapely.boundary(polygons), densify=0.25)
-    straight = (dent > 0.0) & (dent <= tolerance) & (shapely.area(hull) > shapely.area(polygons))
+    cut = shapely.area(hull) - shapely.area(polygons)
+    straight = (cut > 0.0) & (cut <= MOST_CUT * tolerance * shapely.length(hull))  # deeper dents cut off more; what follows takes n^2
+    dent = shapely.hausdorff_distance(shapely.boundary(hull[straight]), shapely.boundary(polygons[straight]), densify=0.25)
+    straight[straight] = (dent > 0.0) & (dent <= tolerance)
     return np.where(straight, hull, polygons), straight
 
 

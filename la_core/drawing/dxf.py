@@ -1,6 +1,7 @@
 """Outlines of a DXF file, by ezdxf: polylines with arcs, lines, circles and splines, also within inserted blocks."""
 
 import io
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -23,9 +24,12 @@ CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE"
 MOST_ENTITIES = 500_000
 DEEPEST = 20  # inserts within inserts
 LEAST_CHORDS = 2  # of a curve
+LARGEST = 1e12  # units of the file: extent of one entity
+FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
 DWG = b"AC10"  # the first bytes of a DWG file
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
 def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:
     """Outlines and lines in the model space of a DXF file; parameters and errors are those of `read_outlines`."""
     if content.startswith(DWG):
@@ -44,9 +48,7 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
     for kind, count in _out_of_reach(document, auditor).items():
         drawn.ignored |= {kind: count} if count else {}
     try:
-        for number, (entity, layer, colour) in enumerate(_entities(document.modelspace(), document, "0", "white", 0)):
-            if number >= MOST_ENTITIES:
-                raise ValueError(f"has more than {MOST_ENTITIES} entities")
+        for entity, layer, colour in _entities(document.modelspace(), document, "0", "white", 0, itertools.count(1)):
             _add(drawn, entity, (layer, colour), metres, sagitta)
     except ValueError:
         raise
@@ -65,14 +67,17 @@ def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
     return {"entities in paper space": on_sheets, "inserts of missing blocks": missing}
 
 
-def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int) -> Iterator[tuple[Any, str, str]]:
+def _entities(
+    entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int, numbers: Iterator[int]
+) -> Iterator[tuple[Any, str, str]]:
     """Every entity with its layer and colour, those of inserted blocks in place; layer 0 of a block is the layer of its insert.
 
-    None stands for an entity that the drawing hides.
+    None stands for an entity that the drawing hides. `numbers` counts entities and copies: copies of an empty block yield none.
     """
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
     for entity in entities:
+        _refuse_too_many(next(numbers))
         own = str(entity.dxf.get("layer", "0"))
         where = layer if own == "0" and depth else own
         if _is_hidden(entity, document, where):
@@ -83,7 +88,13 @@ def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, d
             yield entity, where, drawn_in
             continue
         for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
-            yield from _entities(insert.virtual_entities(), document, where, drawn_in, depth + 1)
+            _refuse_too_many(next(numbers))
+            yield from _entities(insert.virtual_entities(), document, where, drawn_in, depth + 1, numbers)
+
+
+def _refuse_too_many(number: int) -> None:
+    if number > MOST_ENTITIES:
+        raise ValueError(f"has more than {MOST_ENTITIES} entities, copies by inserts among them; delete those that are no blocks")
 
 
 def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitta: float) -> None:
@@ -94,8 +105,17 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitt
     if kind not in CURVES or is_surface:
         drawn.ignore(kind)
         return
-    curve = path.make_path(entity)
-    points = np.array([(point.x, point.y) for point in curve.flattening(sagitta / scale, LEAST_CHORDS)], dtype=float).reshape(-1, 2)
+    try:
+        curve = path.make_path(entity)
+        guides = np.array([(point.x, point.y) for point in curve.control_vertices()], dtype=float).reshape(-1, 2)
+        size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
+        finest = max(sagitta / scale, FINEST * size)  # a circle around the whole world has no more chords than memory holds
+        corners = curve.flattening(finest, LEAST_CHORDS) if size <= LARGEST else ()  # NaN is not
+        points = np.array([(point.x, point.y) for point in corners], dtype=float).reshape(-1, 2)
+    except Exception as error:  # any error of a reader of foreign bytes
+        raise ValueError(f"holds a {kind} that cannot be read: {_words(error)}") from error
+    if not size <= LARGEST:
+        raise ValueError(f"holds a {kind} larger than {LARGEST:g} units, or with a coordinate that is not a number; delete it")
     closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
     drawn.add(scale * points, closed, *place)
 

@@ -10,6 +10,7 @@ import pytest
 import wall_drawings as drawn
 from wall_drawings import WALL, dxf, insert, lines, polyline
 
+from la_core import drawing
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
@@ -169,6 +170,7 @@ def test_shapes_of_svg(name: str, tmp_path: Path) -> None:
     assert scene.blocks.centroid[1, 2] > 0.0  # z is up
 
 
+WORLD = drawn.rows(*drawn.begun("CIRCLE", "A"), (100, "AcDbCircle"), (10, 0), (20, 0), (40, 1e300))
 REFUSED = {
     "no unit": (dxf([polyline(SQUARE, "A")], unit=None), {}, 'does not say its unit; state it: unit = "mm"'),
     "DWG": (b"AC1032 and bytes", {}, "is a DWG file; save it as DXF"),
@@ -178,6 +180,8 @@ REFUSED = {
     "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
     "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself'),
     "crossing far away": (dxf([polyline([(x + 45e6, z) for x, z in CROSSED], "A")]), {}, 'near (45000.5, 0.25) m: the outline'),
+    "copies of nothing": (dxf([insert("B", (0, 0), "A", 32_000, 1.0)] * 20, blocks={"B": ""}), {}, "has more than 500000 entities, copies"),
+    "circle of the world": (dxf([WORLD]), {}, "holds a CIRCLE larger than 1e+12 units"),
     "insert of itself": (dxf([insert("B", (0, 0), "A")], blocks={"B": insert("B", (1, 1), "0")}), {}, 'drawing "wall.dxf": '),
 }  # fmt: skip
 REFUSED_SVG = {
@@ -197,6 +201,12 @@ def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError) as error:
         scene_of(tmp_path, content, **table)
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_vast_circle_has_no_more_chords_than_memory_holds(tmp_path: Path) -> None:
+    vast = drawn.rows(*drawn.begun("CIRCLE", "A"), (100, "AcDbCircle"), (10, 0), (20, 0), (40, 1e11))
+    found = drawing.read_outlines(".dxf", dxf([vast]), None, 0.005)
+    assert 100 < len(found.outlines[0].points) < 100_000
 
 
 @pytest.mark.parametrize("name", REFUSED_SVG)
