@@ -25,6 +25,7 @@ from la_core.exchange import ExchangeError, write_whole
 
 STORED = "campaign.json"
 EARLIER = {"expected value met": "expected"}  # verdicts by the words of tables that an earlier program stored
+FORMULA = frozenset("=+-@\t")  # what begins a formula in a spreadsheet; an apostrophe before it makes it a text there
 WORDS = ("title", "axes", "labels", "rows", "costs", "provenance")
 
 
@@ -129,9 +130,9 @@ def _csv(columns: list[str], rows: list[dict[str, Any]]) -> str:
 
 
 def _cell(value: Any) -> str:
-    """Return a value as text: a number with all digits, an array as JSON, "" for None."""
+    """Return a value as text: a number with all digits, an array as JSON, "" for None; a spreadsheet runs no text as a formula."""
     if value is None or isinstance(value, str):
-        return value or ""
+        return f"'{value}" if value and value[0] in FORMULA else value or ""
     return json.dumps(value)
 
 

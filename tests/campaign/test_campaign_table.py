@@ -107,6 +107,15 @@ def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: No
         assert file["costs/seconds"].attrs["unit"] == "s" and np.all(file["costs/seconds"][()] > 0.0)
 
 
+@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def test_no_name_is_a_formula_in_a_spreadsheet(name: str, tmp_path: Path, plain_figures: None) -> None:
+    found = run(sweep(f'name = "{name}"\nvary = {{ "joint.friction" = [0.6] }}', "two_blocks"), tmp_path / "out")
+    assert [row["sweep"] for row in found.rows] == [name]
+    with (tmp_path / "out" / "results.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert row["sweep"] == f"'{name}" and float(row["least"]) > 0.0
+
+
 def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Path) -> None:
     """pandas makes a frame of what h5py gives of a group, one array a column."""
     from pyarrow import parquet
