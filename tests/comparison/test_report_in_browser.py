@@ -101,6 +101,17 @@ def test_every_text_has_contrast_and_nothing_runs_over_the_edge(page: str, brows
         browser.send("Emulation.setEmulatedMedia", features=[])
 
 
+def test_a_long_word_does_not_widen_the_page(browser: Browser, report: Path) -> None:
+    browser.send("Emulation.setDeviceMetricsOverride", width=WIDTHS[-1], height=900, deviceScaleFactor=1, mobile=False)
+    try:
+        browser.open(report)
+        for place in ("nav a", "figcaption", "h2", ".sentence", "p.soft"):
+            browser.value(f"document.querySelector('{place}').textContent = 'T'.repeat(300)")
+        assert browser.value("document.documentElement.scrollWidth") <= WIDTHS[-1]
+    finally:
+        browser.send("Emulation.clearDeviceMetricsOverride")
+
+
 def test_the_measure_of_contrast_sees_a_pale_text(browser: Browser, report: Path) -> None:
     browser.open(report)
     browser.value("document.querySelector('h1').style.color = '#bbbbbb'")

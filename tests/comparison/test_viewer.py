@@ -189,7 +189,9 @@ def test_the_page_runs_its_own_scripts_and_no_other(tmp_path: Path) -> None:
     assert all('type="application/json"' in attributes and json.loads(text) == {"title": HOSTILE} for attributes, text in views)
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)
     digests = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'" for text in (library, script))
-    assert policy == f"default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src {digests}"
+    assert (
+        policy == f"default-src 'none'; base-uri 'none'; form-action 'none'; style-src 'unsafe-inline'; img-src data:; script-src {digests}"
+    )
     assert (viewer.WEB / "three.LICENSE").read_text(encoding="utf-8").strip() in library
     for text in (library, script):
         assert "<!--" not in text and not re.search(r"\beval\(|new Function|innerHTML", text)
