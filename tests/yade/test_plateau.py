@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.stats import linregress
+from scipy.stats import t as student_t
 
 from yade_scripts import plateau
 
@@ -70,6 +72,33 @@ def test_constant_has_no_uncertainty() -> None:
     assert fit.reaction == REACTION
     assert fit.uncertainty < 1e-12 * REACTION
     assert fit.drift == 0.0
+
+
+def test_white_noise_makes_the_error_of_a_line_by_least_squares() -> None:
+    """19 times in 20 the intercept lies within Student's factor times its standard error, which scipy has of its own."""
+    s, ratios = settlement(), []
+    for seed in range(50):
+        r = REACTION + np.random.default_rng(seed).standard_normal(ROWS)
+        fit = fitted(s, r)
+        kept = s >= fit.start
+        line = linregress(s[kept], r[kept])
+        assert (fit.reaction, fit.slope) == pytest.approx((line.intercept, line.slope))
+        ratios.append(fit.from_scatter / (student_t.ppf(0.975, kept.sum() - 2) * line.intercept_stderr))
+    assert np.median(ratios) == pytest.approx(1.05, abs=0.1)  # some records seem to have a memory
+
+
+def test_a_line_is_uncertain_by_what_lies_between_it_and_its_level_and_by_the_strain_that_may_be_left() -> None:
+    """By hand, where turning blocks explain 0.2 of the slope. What lies between line and level, slope times centre, has a rectangular
+    distribution. Strain c / s left at the centre has the slope c / centre^2 there: the line drawn back by slope times centre gives back
+    once what is left, and as much is still to come.
+    """
+    s = settlement()
+    fit = fitted(s, REACTION - SLOPE * s, plateau.Geometry(turning=0.25 * SLOPE, lever=np.inf, slope=-0.2 * SLOPE))
+    centre = 0.5 * (fit.start + TRAVEL)
+    assert fit.from_fit == pytest.approx(1.96 * 0.8 * SLOPE * centre / np.sqrt(12.0), rel=1e-6)
+    assert fit.from_strain == pytest.approx(2.0 * 0.75 * SLOPE * centre, rel=1e-6)
+    assert fit.drift == pytest.approx(0.8 * SLOPE * (TRAVEL - fit.start), rel=1e-6)
+    assert fit.uncertainty == pytest.approx(np.hypot(fit.from_fit, fit.from_strain), rel=1e-6)
 
 
 def test_slope_alone_widens_the_uncertainty_but_not_beyond_flat_level() -> None:

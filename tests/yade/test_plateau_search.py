@@ -12,6 +12,7 @@ from yade_stand_in import without_yade
 
 from la_core import exchange
 from yade_scripts import plateau
+from yade_scripts.settings import OF_LARGE
 
 search, recorder, faults = (without_yade(name) for name in ("plateau_search", "recorder", "faults"))
 STATUS = recorder.Status
@@ -129,6 +130,41 @@ def test_a_run_with_a_damped_swing_ends_only_where_its_blocks_move_steadily(
     fits.append(line())
     states = [[0.0] * 4, [1e-4] * 4, [2e-4, 2e-4, 2e-4, (1.0 + late) * 1e-4]]
     assert looking(Told(2e-4, states), swing_damping=damping).look(0.0) is ends
+
+
+@pytest.mark.parametrize(("late", "content", "ends"), [(1.04, False, False), (1.04, True, True), (1.06, True, False)])
+def test_a_run_that_is_content_with_less_asks_for_less_steadiness(
+    late: float, content: bool, ends: bool, fits: list[plateau.Plateau]
+) -> None:
+    """Velocities may change by 2 %, and by 5 % where the run may end as uncertain as that of a large structure; all blocks change."""
+    fits.append(line())
+    enough = OF_LARGE["stop_uncertainty"] if content else 0.99 * OF_LARGE["stop_uncertainty"]
+    states = [[0.0] * 4, [1e-4] * 4, [(1.0 + late) * 1e-4] * 4]
+    assert looking(Told(2e-4, states), swing_damping=0.5, stop_uncertainty=enough).look(0.0) is ends
+
+
+@pytest.mark.parametrize(("later", "ends"), [(1.019, True), (1.025, False)])
+def test_velocities_before_and_after_the_middle_of_the_plateau_are_compared(later: float, ends: bool, fits: list[plateau.Plateau]) -> None:
+    """Of five states the third is the middle one; from any other one the change of 2.5 % would seem to be less than the 2 % accepted."""
+    fits.append(line())
+    places = 1e-4 * np.array([0.0, 1.0, 2.0, 2.0 + later, 2.0 + 2.0 * later])
+    assert (
+        looking(Told(4e-4, [[1e-4 * k, 1e-4 * k, 1e-4 * k, place] for k, place in enumerate(places)]), swing_damping=0.5).look(0.0) is ends
+    )
+
+
+def test_the_line_is_fitted_to_the_settlement_stage_and_its_geometry_to_the_motion_from_the_middle_of_its_starts_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Starts are 0.2 to 0.6 of the settlement, in the middle 0.4: of states every 48th, the 19th is the last one before it."""
+    found: dict[str, Any] = {}
+    record = Told(1e-3, [[0.0] * 4] * 49)
+    record.settling = lambda: [row(settlement=1e-4 * k, reaction=50.0 + k) for k in range(11)]  # type: ignore[attr-defined]
+    monkeypatch.setattr(search, "geometry_of", lambda case, before, now: (before.settlement, now.settlement))
+    monkeypatch.setattr(search.plateau, "fit", lambda *given: found.update(zip(("settlement", "reaction", "states"), given, strict=True)))
+    looking(record)._fit()
+    assert found["states"] == pytest.approx((19e-3 / 48.0, 1e-3))
+    assert found["reaction"] == pytest.approx(50.0 + 1e4 * found["settlement"]) and len(found["reaction"]) == 11
 
 
 def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[plateau.Plateau]) -> None:
