@@ -65,6 +65,17 @@ def test_no_block_turns_faster_than_it_shifts(one: case.Case) -> None:
         assert turns <= shifts * (1.0 + ROUND_OFF) or slow.tensor[block, 1, 1] >= MOST * one.inertia[block, 1, 1] * (1.0 - ROUND_OFF)
 
 
+def test_a_moment_of_inertia_grows_only_until_the_block_turns_as_slowly_as_it_shifts(one: case.Case) -> None:
+    springs = springs_of(one, 3.0, 2.0)
+    slow = slowed(one, springs, SHARE)
+    shifting, turning = springs.of_blocks()
+    for block in one.free:
+        shifts = np.linalg.eigvalsh(shifting[block]).max() / slow.mass[block]
+        true = one.inertia[block, 1, 1] * np.eye(3) if one.plane else one.inertia[block]
+        needed = np.linalg.eigvals(np.linalg.solve(true, turning[block])).real.max() / shifts
+        assert slow.tensor[block, 1, 1] == pytest.approx(min(max(1.0, needed), MOST) * true[1, 1])
+
+
 def test_the_stiffness_of_a_block_is_what_its_own_motion_feels(one: case.Case) -> None:
     springs = springs_of(one, 3.0, 2.0)
     shifting, turning = springs.of_blocks()

@@ -15,9 +15,25 @@ from la_core.geometry import Blocks
 from la_core.scene.generators.placing import leaning
 from yade_scripts import case, settings
 from yade_scripts.contacts.convex_parts import are_within
-from yade_scripts.contacts.sphere_placement import largest_radius
+from yade_scripts.contacts.sphere_placement import hosts, largest_radius
 
 SHARP = 7  # seed of a wall with a corner of 51 degrees
+
+
+@pytest.mark.parametrize(
+    ("boxes", "deeper", "host"),
+    [
+        ((True, False), "b", "b"),  # a box offers its face, however near an edge the point lies
+        ((False, True), "a", "a"),
+        ((True, True), "a", "b"),  # of two boxes or none, that offers its face in which the point lies farther from the edges
+        ((True, True), "b", "a"),
+        ((False, False), "a", "b"),
+        ((False, False), "b", "a"),
+    ],
+)
+def test_the_sphere_lies_in_the_block_whose_face_is_the_worse_target(boxes: tuple[bool, bool], deeper: str, host: str) -> None:
+    depth = np.array([[0.2, 0.1] if deeper == "a" else [0.1, 0.2]])
+    assert hosts(np.array(boxes), np.array([0]), np.array([1]), depth).tolist() == ["ab".index(host)]
 
 
 def test_spheres_keep_clear_of_the_other_faces_of_their_block(tmp_path: Path) -> None:
