@@ -35,6 +35,19 @@ def upper_points(assembly: Assembly) -> np.ndarray:
     return assembly.points.position[assembly.points.position[:, 2] > 0.5]
 
 
+def test_some_of_the_joints_keep_their_own_outlines() -> None:
+    """Joints of a wall with a gable, of four and of three corners, and any half of them."""
+    gable = [scenes.block(f"gable {k}", prism=([[0.0, 0.0], [1.0, 0.0], [0.5, 0.4]], (0.5 * k, 0.5 * (k + 1)))) for k in range(3)]
+    joints = find_interfaces(scenes.build(*scenes.base(0.5, 1.0, 1.5), *gable, plane=False).blocks)
+    sides = np.diff(joints.polygon_start)
+    assert {3, 4} <= set(sides.tolist())
+    for kept in (sides == 3, sides == 4, np.arange(len(joints)) % 2 == 1):
+        some = joints.subset(kept)
+        for row, number in enumerate(np.flatnonzero(kept)):
+            own = joints.polygon[joints.polygon_start[number] : joints.polygon_start[number + 1]]
+            np.testing.assert_array_equal(some.polygon[some.polygon_start[row] : some.polygon_start[row + 1]], own)
+
+
 # --- counts ------------------------------------------------------------------------------------------------------------------
 
 

@@ -9,11 +9,41 @@ import scenes
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, find_interfaces, prism
 from la_core.repair import close_joints
-from la_core.repair.outline_motion import moved_outline
+from la_core.repair.closing import _refuse_far
+from la_core.repair.outline_motion import _faces_of_edges, _sides, moved_outline
 from la_core.scene import Scene
 from la_core.scene.generators.placing import leaning, turned
 
 ROUND_OFF = 1e-9
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_of_two_edges_on_one_line_each_has_the_face_that_lies_along_it(mirrored: bool) -> None:
+    """Three feet of one stone stand on one line, and their faces may move apart."""
+    feet = [[x, z] for x in (0.0, 0.4, 0.8) for x, z in ((x, 0.4), (x, 0.0), (x + 0.2, 0.0), (x + 0.2, 0.4))]
+    profile = np.array([*feet[1:-1], [1.0, 0.8], [0.0, 0.8]])
+    shape = prism((profile * ([1.0, -1.0] if mirrored else [1.0, 1.0])).tolist(), (0.0, 1.0))
+    assert shape.outline is not None
+    corners = shape.outline[0]
+    faces, sides = _faces_of_edges(shape, corners), {number: ends for number, *ends in _sides(shape)}
+    assert faces is not None
+    for face, first, last in zip(faces.tolist(), corners, np.roll(corners, -1, axis=0), strict=True):
+        low = np.maximum(np.minimum(first, last), np.minimum(*sides[face]))
+        high = np.minimum(np.maximum(first, last), np.maximum(*sides[face]))
+        assert np.all(high >= low) and np.linalg.norm(high - low) > 0.1  # what edge and side share; they are parallel to the axes
+
+
+@pytest.mark.parametrize("height", [0.9, 1.1])
+def test_a_surface_that_would_move_too_far_is_refused_with_the_way_that_it_would_move(height: float) -> None:
+    """The top of a cube of 1 m sinks or rises by 0.1 m."""
+    blocks = scenes.build(*scenes.base(0.5, 1.0), scenes.box("cube", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))).blocks
+    is_top = blocks.vertices[:, 2] == 1.0
+    assert is_top.sum() == 4
+    moved = np.where(is_top[:, None], [1.0, 1.0, height], 1.0) * blocks.vertices
+    offset = np.where((blocks.face_normal[:, 2] > 0.5) & (blocks.face_offset > 0.5), height, blocks.face_offset)
+    with pytest.raises(SceneError, match=r"would have to move 0\.1 m to close its joints, more than 0\.05 m"):
+        _refuse_far(blocks, moved, blocks.face_normal, offset, 0.05, np.zeros(3))
+    _refuse_far(blocks, moved, blocks.face_normal, offset, 0.15, np.zeros(3))
 
 
 def test_a_dent_within_the_tolerance_makes_no_second_part() -> None:
