@@ -130,6 +130,7 @@ def test_the_load_works_by_its_mean_multiplier_between_two_states() -> None:
     run = made_up_run({}, record | {"kinetic_energy": np.zeros(3)}, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
     found = audit(assembly, run)
     assert found.load == found.turnover == pytest.approx(0.2 * assembly.weight * SINK) and found.support == 0.0
+    assert found.drift == pytest.approx(1.0)  # no contact force took this work, and no motion holds it
 
 
 def test_a_block_that_turns_about_its_edge_loses_nothing_there() -> None:
