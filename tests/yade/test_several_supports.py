@@ -158,6 +158,15 @@ def test_a_drop_with_a_turn_is_a_turn_about_a_point_beside() -> None:
     assert other.bounds[Drive.YIELDING].value == pytest.approx(2.0 * reaction, rel=1e-6)
 
 
+def test_a_support_whose_ends_move_as_much_up_as_down_turns_about_its_middle() -> None:
+    pad, block = scenes.box("pad", (0.0, 0.0, -0.1), (1.0, 0.2, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.4))
+    scene = scenes.build(pad, block, settlement={"direction": DOWN, "profile": [[0.0, 1.0], [1.0, -1.0]]}, inset=INSET)
+    assert scene.own_twists is not None
+    velocity, spin = scene.own_twists[0, :3], scene.own_twists[0, 3:]
+    for x, sinks in ((0.0, 1.0), (0.5, 0.0), (1.0, -1.0)):  # points of its top
+        np.testing.assert_allclose(velocity + np.cross(spin, [x, 0.1, 0.0]), [0.0, 0.0, -sinks], atol=1e-12)
+
+
 def test_supports_follow_a_profile_at_both_ends() -> None:
     profile = [[0.0, 0.0], [1.0, 1.0], [3.0, 0.2]]
     scene = beam(profile=profile)
