@@ -1,11 +1,11 @@
-"""Details of one scene: accuracy and cost of each method's answer, energies of the run, measures of the mechanisms."""
+"""Details of one scene: accuracy and cost of each method's answer, energies of the run, measures and joints of the mechanisms."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, format_number, percent, plain_number, plural, small_number
-from la_core.text_table import exists
+from la_core.text_table import exists, place_text
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
@@ -128,6 +128,14 @@ ENERGY_NOTE = (
     "negative."
 )
 
+JOINTS_NOTE = (
+    "The joints that move most come first. Opening and slip are the largest of the joint's contact points, and the rotation is that of its "
+    "blocks against each other, all per unit motion of the support; under a live load per unit of the mean displacement along the load. "
+    "Friction used is the shear over the most that friction bears under the normal force; its inverse is the safety against sliding. "
+    "The eccentricity of the centre of pressure is 0 in the middle of the joint, 0.333 at the end of the middle third, and 1 at the edge: "
+    "there a joint that opens turns as a hinge."
+)
+
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover, as text.
@@ -151,6 +159,37 @@ def energy_view(comparison: dict[str, Any]) -> dict[str, Any]:
     on_plateau = (comparison.get("effects") or {}).get("recording") == "plateau"  # only its states were stored
     span = "from its first to its last stored state on the plateau" if on_plateau else "from rest under gravity to its end"
     return {"rows": energies(comparison), "span": span, "note": ENERGY_NOTE}
+
+
+def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
+    """Return headings, rows of text and a note on the joints that open or slide in limit analysis; without rows where there are none.
+
+    Numbers that are round-off beside the largest of their kind are as good as zero.
+    """
+    facts = comparison.get("structure") or {}
+    found = facts.get("moving_joints") or {"count": 0, "rows": []}
+    rows, turns = found["rows"], comparison.get("unit") == "N m"
+    motion = max((max(row["opening"], row["slip"]) for row in rows), default=0.0)
+    rotation = max((row["rotation"] for row in rows), default=0.0)
+    scales = {"opening": motion, "slip": motion, "rotation": max(rotation, motion / max(facts["size"]))} if rows else {}
+    force, largest = units.of("N")[1], max((abs(row["normal"]) for row in rows), default=0.0)
+    axes = "xz" if (comparison.get("effects") or {}).get("plane") else "xyz"
+
+    def texts(row: dict[str, Any]) -> Iterator[str]:
+        yield f"{row['block_a']} and {row['block_b']}"
+        yield {"opening": "opens", "sliding": "slides"}[row["state"]]
+        yield from (small_number(row[name], scale) for name, scale in scales.items())
+        yield from (small_number(units.value(row[name], "N"), units.value(largest, "N"), 4) for name in ("normal", "shear"))
+        yield from (small_number(row[name], 1.0) for name in ("friction_used", "eccentricity"))
+        yield place_text([row[axis] for axis in axes]) if exists(row["x"]) else DASH
+
+    per = "mrad" if turns else "mm"
+    motions, forces = (f"opening, mm/{per}", f"slip, mm/{per}", f"rotation, mrad/{per}"), (f"normal force, {force}", f"shear, {force}")
+    headings = [("joint", ""), ("state", ""), *((name, "number") for name in (*motions, *forces, "friction used", "eccentricity"))]
+    headings.append((f"centre of pressure ({', '.join(axes)})", ""))
+    rest = found["count"] - len(rows)
+    more = f"{plural(rest, 'more joint')} {'moves' if rest == 1 else 'move'} no farther. " if rest else ""
+    return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE}
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:

@@ -5,14 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from comparison.figures import motions
+from comparison.figures import Motion, motions
 from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
-from la_core.measures import ContactState, mechanism, thrust_line
+from la_core.measures import ContactState, joint_rows, mechanism, thrust_line
+from la_core.model import Assembly
 from la_core.scene import Scene, classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 
 MOST_NAMES = 12  # blocks or joints that a report names
+MOST_ROWS = 24  # joints in the table of those that open or slide
 
 
 def structure_facts(results: Results) -> dict[str, Any]:
@@ -20,7 +22,7 @@ def structure_facts(results: Results) -> dict[str, Any]:
 
     `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
     `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
-    method only.
+    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows.
     """
     scene, analysis = results.scene, results.analysis
     blocks = scene.blocks
@@ -83,6 +85,8 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
     known = {name: method for name, method in shown.items() if np.isfinite(method.twists).all()}
     moving = {name: int(mechanism.moving(assembly, method.twists).sum()) for name, method in known.items()}
     facts: dict[str, Any] = {"moving_blocks": moving, "joints_of_one_method": {}}
+    if method := known.get("limit_analysis"):
+        facts["moving_joints"] = _moving_joints(assembly, method)
     if len(known) == 2:
         gives = [np.isin(method.joints, (ContactState.OPENING, ContactState.SLIDING)) for method in known.values()]
         interfaces, names = assembly.interfaces, assembly.blocks.names
@@ -91,3 +95,14 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
             pairs = [f"{names[interfaces.block_a[k]]} and {names[interfaces.block_b[k]]}" for k in alone[:MOST_NAMES]]
             facts["joints_of_one_method"][name] = {"count": len(alone), "names": pairs}
     return facts
+
+
+def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
+    """Return the number of joints that open or slide in a mechanism, and as rows those that move most, in SI units."""
+    rows = joint_rows(assembly, method.twists, method.forces[-1])
+    moved = [row for row in rows if row["state"] in ("opening", "sliding")]
+    speed = [max(row["opening"], row["slip"]) for row in moved]
+    order = np.argsort(
+        -np.round(np.array(speed) / max(speed, default=1.0), 6), kind="stable"
+    )  # equal ones but for round-off keep their order
+    return {"count": len(moved), "rows": [moved[k] for k in order[:MOST_ROWS]]}

@@ -17,7 +17,7 @@ from comparison.numbers import (
     range_words,
     small_number,
 )
-from comparison.report.details import accuracy_rows, costs, energy_view, measures
+from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
@@ -102,6 +102,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "accuracy": list(accuracy_rows(comparison)),
         "energy": energy_view(comparison),
         "measures": list(measures(comparison, results["live"], units)),
+        "joints": moving_joints(comparison, units),
         "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),
         "settings": setting_rows(comparison),
@@ -249,11 +250,10 @@ def _record_words(yade: dict[str, Any]) -> str:
 def _level_words(comparison: dict[str, Any]) -> str:
     """Return what the figure of the reaction shows of limit analysis."""
     associated, coulomb = associated_of(comparison), (comparison.get("limit_analysis") or {}).get("coulomb") or {}
-    quantity = "multiplier" if "multiplier" in associated else "reaction"
+    live, curve = "multiplier" in associated, (coulomb.get("curve") or {}).get("settlement") or []
+    quantity, parts = ("multiplier", ["the upper bound"]) if live else ("reaction", ["the bounds"])
     if not exists(associated.get(quantity)):
         return ""
-    parts = ["the bounds" if quantity == "reaction" else "the upper bound"]
-    curve = (coulomb.get("curve") or {}).get("settlement") or []
     if exists(coulomb.get(quantity)):
         low, high = coulomb.get(f"{quantity}_interval") or (None, None)
         parts += ["the prediction with its uncertainty"] + ["its curve from rest"] * (len(curve) > 1)

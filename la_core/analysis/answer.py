@@ -134,7 +134,8 @@ class Answer(Tabled):
 
     @property
     def joints(self) -> list[dict[str, Any]]:
-        """Every joint: names of its blocks, state, normal force (N, compression positive), shear (N), centre of pressure (m) or NaN."""
+        """Every joint: blocks, state, forces (N), centre of pressure (m) or NaN with its `eccentricity` (1 at the edge), `friction_used`,
+        and, per unit of `mechanism`, its largest `opening` and `slip` (m) and the `rotation` of its blocks (rad)."""
         return joint_rows(self.analysis.assembly, self.mechanism, self.forces)
 
     @property
@@ -268,8 +269,7 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
     yield "Coulomb: uncertainty", number_text(answer["uncertainty"], 2), _over_weight_text(scene, answer["uncertainty"], 2)
     yield from _angle_rows("Coulomb: ", answer)
-    for plateau in answer["plateaus"]:
-        yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
+    yield from (_quantity(scene, "Coulomb: one of several plateaus", plateau) for plateau in answer["plateaus"])
     is_predicted = exists(answer[scene.quantity])  # else no interval is withheld
     for which, end in zip(("least", "greatest"), answer[f"{scene.quantity}_interval"], strict=True):
         name = f"Coulomb: {which} by its mechanism"

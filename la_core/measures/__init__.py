@@ -2,7 +2,7 @@
 
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
-from la_core.measures.joint_measures import joint_centres, joint_forces, joint_rows, joint_states, thrust_line
+from la_core.measures.joint_measures import eccentricity, joint_centres, joint_forces, joint_rows, joint_states, thrust_line
 from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds, corner_speeds, fastest_speed
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "contact_speeds",
     "contact_states",
     "corner_speeds",
+    "eccentricity",
     "fastest_speed",
     "joint_centres",
     "joint_forces",

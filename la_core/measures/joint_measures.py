@@ -1,10 +1,12 @@
-"""Measures of joints: the resultant force of each interface, where it acts, its state, and the line of thrust."""
+"""Measures of joints: the resultant force of each interface, where it acts, its state and motion, and the line of thrust."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from la_core.geometry import next_corners, owners
+from la_core.measures import mechanism
 from la_core.measures.dissipation import ContactState, contact_states, loaded_compression
 from la_core.model import Assembly
 
@@ -50,6 +52,67 @@ def joint_forces(assembly: Assembly, forces: np.ndarray) -> JointForces:
     return JointForces(force, normal, shear, centre)
 
 
+@dataclass(frozen=True)
+class JointMotion:
+    """Motion of block b against block a in the I interfaces, per unit motion of the drive.
+
+    Attributes
+    ----------
+    opening : (I,) array
+        Largest parting speed of its contact points, m; negative where all of them approach.
+    slip : (I,) array
+        Largest sliding speed of its contact points, m.
+    rotation : (I,) array
+        Size of the relative rotation, rad.
+    """
+
+    opening: np.ndarray
+    slip: np.ndarray
+    rotation: np.ndarray
+
+
+def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
+    """Measure the relative motion in each interface for twists (B, 6) per unit motion of the drive; all NaN where one is NaN."""
+    interfaces, joint = assembly.interfaces, assembly.points.interface
+    parting, sliding = mechanism.contact_speeds(assembly, twists)
+    opening, slip = np.full(len(interfaces), -np.inf), np.zeros(len(interfaces))
+    np.maximum.at(opening, joint, parting)
+    np.maximum.at(slip, joint, sliding)
+    turn = twists[interfaces.block_b, 3:] - twists[interfaces.block_a, 3:]
+    return JointMotion(opening, slip, np.linalg.norm(turn, axis=1))
+
+
+def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
+    """Shear of each interface over the most that its friction bears under its compression (I,); NaN where that is 0.
+
+    It is 1 where the interface slides, and its inverse is the safety against sliding. forces (C, 3): contact forces on block b, N.
+    """
+    borne = assembly.points.friction * loaded_compression(assembly, forces)
+    most = np.bincount(assembly.points.interface, weights=borne, minlength=len(assembly.interfaces))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(most > 0.0, joint_forces(assembly, forces).shear / most, np.nan)
+
+
+def eccentricity(assembly: Assembly, centre: np.ndarray) -> np.ndarray:
+    """Place of the centre of pressure (I, 3), m, in each interface: 0 in its middle, 1 at its edge, NaN without compression.
+
+    The middle is the centroid of the interface, and the edge is the one beyond the centre of pressure. The middle third of a rectangle ends
+    at 1/3.
+    """
+    interfaces = assembly.interfaces
+    ring, corner = owners(interfaces.polygon_start), interfaces.polygon
+    following = corner[next_corners(interfaces.polygon_start)]
+    start = interfaces.polygon_start[:-1]
+    origin = corner[start][ring]
+    area = np.einsum("ij,ij->i", np.cross(corner - origin, following - origin), interfaces.normal[ring])
+    whole = np.add.reduceat(area, start)  # below 0 where the corners run the other way about the normal
+    middle = np.add.reduceat(area[:, None] * (origin + corner + following) / 3.0, start) / whole[:, None]
+    outward = np.cross(following - corner, interfaces.normal[ring]) * np.sign(whole)[ring, None]
+    reach = np.einsum("ij,ij->i", corner - middle[ring], outward)
+    beyond = np.einsum("ij,ij->i", (centre - middle)[ring], outward)
+    return np.asarray(np.maximum.reduceat(beyond / reach, start))
+
+
 def joint_centres(assembly: Assembly) -> np.ndarray:
     """Mean position (I, 3) of the contact points of each interface, m."""
     points = assembly.points
@@ -85,19 +148,28 @@ def joint_states(assembly: Assembly, states: np.ndarray, forces: np.ndarray) -> 
 
 
 def joint_rows(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> list[dict[str, Any]]:
-    """Every joint as a row of a table: names of its blocks, state, normal and shear force (N), centre of pressure (m).
+    """Every joint as a row of a table: names of its blocks, state, forces (N), centre of pressure (m), shares, and motion (m, rad).
 
-    twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
+    `friction_used`, `eccentricity` and the columns of JointMotion are those of the functions and the class above.
+    twists (B, 6) per unit motion of the drive, and forces (C, 3), N: the mechanism and its contact forces.
     """
     names, interfaces = assembly.blocks.names, assembly.interfaces
     states = joint_states(assembly, contact_states(assembly, twists, forces), forces)
-    joints = joint_forces(assembly, forces)
-    columns = (interfaces.block_a, interfaces.block_b, states, joints.normal.tolist(), joints.shear.tolist(), joints.centre.tolist())
-    return [
-        {"block_a": names[a], "block_b": names[b], "state": ContactState(state).name.lower(), "normal": normal, "shear": shear}
-        | dict(zip("xyz", centre, strict=True))
-        for a, b, state, normal, shear, centre in zip(*columns, strict=True)
-    ]
+    joints, motion = joint_forces(assembly, forces), joint_motion(assembly, twists)
+    columns = {
+        "block_a": [names[block] for block in interfaces.block_a.tolist()],
+        "block_b": [names[block] for block in interfaces.block_b.tolist()],
+        "state": [ContactState(state).name.lower() for state in states.tolist()],
+        "normal": joints.normal.tolist(),
+        "shear": joints.shear.tolist(),
+        **dict(zip("xyz", joints.centre.T.tolist(), strict=True)),
+        "friction_used": friction_used(assembly, forces).tolist(),
+        "eccentricity": eccentricity(assembly, joints.centre).tolist(),
+        "opening": motion.opening.tolist(),
+        "slip": motion.slip.tolist(),
+        "rotation": motion.rotation.tolist(),
+    }
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def thrust_line(assembly: Assembly) -> np.ndarray:

@@ -1,0 +1,110 @@
+"""A report lists the joints that open or slide: forces, how much friction is used, where the force acts, and how far blocks part."""
+
+import html
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+from made_up_comparisons import page_and_markdown
+
+from comparison.judge.summary import limit_analysis_summary
+from comparison.report import structure_facts
+from comparison.report.facts import MOST_ROWS
+from comparison.yade import Results
+from la_core.analysis.stage import analyse
+from la_core.geometry import Interfaces
+from la_core.measures import eccentricity
+from la_core.scene import Scene
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+THICKNESS, INSET = 0.3, 0.001  # m, of `arch_spreading`
+
+
+def facts_of(scene: Scene) -> dict[str, Any]:
+    analysis = analyse(scene)
+    results = Results(analysis)
+    return limit_analysis_summary(analysis) | {"structure": structure_facts(results), "verdict": None}
+
+
+def joints_of(scene: Scene) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = facts_of(scene)["structure"]["moving_joints"]["rows"]
+    return rows
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_eccentricity_is_the_share_of_the_way_to_the_edge(turn: int) -> None:
+    """A triangle and a rectangle of 2 x 4 m, with corners about the normal and against it, and an interface without force."""
+    triangle, rectangle = [(0, 0, 0), (3, 0, 0), (0, 3, 0)][::turn], [(0, 0, 5), (0, 4, 5), (0, 4, 7), (0, 0, 7)][::turn]
+    corners = np.array([*triangle, *rectangle, *rectangle, *rectangle], dtype=float)
+    normal, start = np.array([[0, 0, 1], [1, 0, 0], [1, 0, 0], [1, 0, 0]], dtype=float), np.array([0, 3, 7, 11, 15])
+    one = np.ones(4, dtype=int)
+    assembly: Any = SimpleNamespace(interfaces=Interfaces(0 * one, one, normal, one.astype(float), corners, start))
+    # Half way from the centroid (1, 1) to the hypotenuse; a quarter of 2 m beside the middle; on an edge.
+    centre = np.array([[1.25, 1.25, 0], [0, 2.5, 6], [0, 2.5, 5], [np.nan] * 3])
+    assert eccentricity(assembly, centre) == pytest.approx([0.5, 0.25, 1.0, np.nan], abs=1e-12, nan_ok=True)
+
+
+def test_an_arch_turns_in_four_hinges_at_its_edges() -> None:
+    """A hinge opens by its rotation times the distance of its two contact points, and pushes at one of them."""
+    rows = joints_of(load_scene(find("arch_spreading")))
+    assert [row["state"] for row in rows] == ["opening"] * 4
+    for row in rows:
+        assert row["opening"] == pytest.approx(row["rotation"] * (THICKNESS - 2.0 * INSET), rel=1e-6)
+        assert row["eccentricity"] == pytest.approx(1.0 - 2.0 * INSET / THICKNESS, rel=1e-6)
+        assert row["slip"] == pytest.approx(0.0, abs=1e-6)
+        assert row["friction_used"] == pytest.approx(row["shear"] / (0.7 * row["normal"]), rel=1e-9)
+
+
+def test_a_joint_that_slides_uses_all_its_friction_and_slips_as_far_as_its_blocks() -> None:
+    """Half blocks of a wall sink with the support by 1 m per m beside blocks that stay: their head joints slide, their beds open."""
+    rows = joints_of(load_scene(find("wall_third")))
+    sliding, opening = ([row for row in rows if row["state"] == state] for state in ("sliding", "opening"))
+    assert len(sliding) == len(opening) == 4
+    for row in sliding:
+        assert (row["friction_used"], row["slip"]) == pytest.approx((1.0, 1.0), rel=1e-3)
+    for row in opening:
+        assert (row["opening"], row["normal"]) == pytest.approx((1.0, 0.0), abs=1e-3)
+        assert np.isnan([row["friction_used"], row["eccentricity"], row["x"]]).all()
+
+
+def test_a_pushed_block_turns_by_one_over_the_height_of_its_load() -> None:
+    """Per metre of the mean displacement along the load, a block that tips about its toe turns by one over the height of its centroid."""
+    pad, block = scenes.box("pad", (-1.0, 0.0, -0.5), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (0.5, 1.0, 2.0))
+    (row,) = joints_of(scenes.build(pad, block, live=[1.0, 0.0, 0.0]))
+    assert row["rotation"] == pytest.approx(1.0, rel=1e-3) and row["eccentricity"] == pytest.approx(1.0, abs=0.01)
+
+
+def test_report_and_markdown_have_the_table_with_what_is_left_out(tmp_path: Path) -> None:
+    summary = facts_of(load_scene(find("arch_spreading")))
+    page, markdown = page_and_markdown(tmp_path, summary)
+    shown = html.unescape(re.sub(r"<[^>]*>", " ", page))
+    assert "Joints that open or slide" in shown
+    for words in (
+        "arch 5 and arch 6",
+        "opens",
+        "0.132",
+        "0.444",
+        "2.621",
+        "0.293",
+        "0.16",
+        "(−0.3058, 2.127) m",
+        "centre of pressure (x, z)",
+    ):
+        assert words in shown and words in markdown, words
+    assert "more joint" not in shown
+    summary["structure"]["moving_joints"]["count"] = 5
+    assert "1 more joint moves no farther" in page_and_markdown(tmp_path, summary)[0]
+    summary["structure"]["moving_joints"] = {"count": 0, "rows": []}
+    assert "Joints that open or slide" not in page_and_markdown(tmp_path, summary)[0]
+
+
+def test_many_joints_are_cut_to_those_that_move_most() -> None:
+    found = facts_of(load_scene(find("wall_tall")))["structure"]["moving_joints"]
+    assert len(found["rows"]) == min(found["count"], MOST_ROWS)
+    moves = [max(row["opening"], row["slip"]) for row in found["rows"]]
+    assert moves == pytest.approx(sorted(moves, reverse=True), rel=1e-5, abs=1e-9)
