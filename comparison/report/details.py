@@ -184,9 +184,10 @@ def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         yield place_text([row[axis] for axis in axes]) if exists(row["x"]) else DASH
 
     per = "mrad" if turns else "mm"
-    motions, forces = (f"opening, mm/{per}", f"slip, mm/{per}", f"rotation, mrad/{per}"), (f"normal force, {force}", f"shear, {force}")
-    headings = [("joint", ""), ("state", ""), *((name, "number") for name in (*motions, *forces, "friction used", "eccentricity"))]
-    headings.append((f"centre of pressure ({', '.join(axes)})", ""))
+    motions = (("opening", f"mm/{per}"), ("slip", f"mm/{per}"), ("rotation", f"mrad/{per}"))
+    numbers = (*motions, ("normal force", force), ("shear", force), ("friction used", ""), ("eccentricity", ""))
+    headings = [("joint", "", ""), ("state", "", ""), *((*name, "number") for name in numbers)]
+    headings.append(("centre of pressure", f"({', '.join(axes)})", ""))
     rest = found["count"] - len(rows)
     more = f"{plural(rest, 'more joint')} {'moves' if rest == 1 else 'move'} no farther. " if rest else ""
     return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE}
