@@ -141,9 +141,10 @@ def checked(installation: Installation) -> Yade:
     """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
     python, modules = installation.python, installation.modules
     try:
-        answer = subprocess.run(  # isolated (-I): a numpy.py of the current folder, which may come from anybody, is not loaded
-            [python, "-I", "-c", _PROBE, modules, SCRIPTS],
-            env=yade_environment(), capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
+        answer = subprocess.run(  # on a safe path a numpy.py of the current folder, which may come from anybody, is not loaded
+            [python, "-s", "-c", _PROBE, modules, SCRIPTS],
+            env=yade_environment() | {"PYTHONSAFEPATH": "1"},
+            capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
