@@ -4,7 +4,7 @@ from comparison.figures import canvas
 from comparison.figures.animation import Story, require_place, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
 from comparison.figures.drawing_order import OuterFaces
-from comparison.figures.motion import Motion, Motions, motions
+from comparison.figures.motion import Motion, Motions, motions, shown_answer
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import report_figures, scene_figures
 from comparison.figures.save import own_style, rendered, save
@@ -34,6 +34,7 @@ __all__ = [
     "require_place",
     "save",
     "scene_figures",
+    "shown_answer",
     "tint",
     "write_animation",
 ]

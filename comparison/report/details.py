@@ -121,6 +121,7 @@ ENERGIES = {
     "viscous": "dissipated by damping",
 }
 DRIVES = ("support", "load")  # one of them acts; the other one does no work
+GROUND_METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 ENERGY_NOTE = (
     "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
     "signs. Where weight and live load oppose each other, each of them may do more work than this. The forces between two "
@@ -128,6 +129,10 @@ ENERGY_NOTE = (
     "negative."
 )
 
+GROUND_NOTE = (
+    "Force of each block of the ground and of the support on the structure through its joints, at the plateau. Where the structure is "
+    "statically indeterminate, forces other than R depend on the history of the joints, and both methods may be right."
+)
 JOINTS_NOTE = (
     "The joints that move most come first. Opening and slip are the largest of the joint's contact points, and the rotation is that of its "
     "blocks against each other, all per unit motion of the support; under a live load per unit of the mean displacement along the load. "
@@ -191,6 +196,26 @@ def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     rest = found["count"] - len(rows)
     more = f"{plural(rest, 'more joint')} {'moves' if rest == 1 else 'move'} no farther. " if rest else ""
     return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE}
+
+
+def reactions(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
+    """Return headings, rows of text and a note on the forces of the ground and the support; without rows where limit analysis has none."""
+    rows = (comparison.get("structure") or {}).get("ground_reactions") or []
+    axes = (0, 2) if (comparison.get("effects") or {}).get("plane") else (0, 1, 2)
+    methods = [name for name in GROUND_METHODS if rows and name in rows[0]]
+    largest = max((abs(part) for row in rows for name in methods for part in row[name]), default=0.0)
+
+    def text(part: float) -> str:
+        return small_number(units.value(part, "N"), units.value(largest, "N"), 4)
+
+    headings = [("block", "")] + [
+        (f"{GROUND_METHODS[name]}, {'xyz'[axis]}, {units.of('N')[1]}", "number") for name in methods for axis in axes
+    ]
+    return {
+        "headings": headings,
+        "rows": [[row["block"], *(text(row[name][axis]) for name in methods for axis in axes)] for row in rows],
+        "note": GROUND_NOTE,
+    }
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:

@@ -5,16 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from comparison.figures import Motion, motions
+from comparison.figures import Motion, motions, shown_answer
 from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
-from la_core.measures import ContactState, joint_rows, mechanism, thrust_line
+from la_core.measures import ContactState, ground_reactions, joint_rows, mechanism, thrust_line
 from la_core.model import Assembly
 from la_core.scene import Scene, classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 
 MOST_NAMES = 12  # blocks or joints that a report names
-MOST_ROWS = 24  # joints in the table of those that open or slide
+MOST_ROWS = 24  # joints that open or slide, or blocks of the ground and the support, in their tables
 
 
 def structure_facts(results: Results) -> dict[str, Any]:
@@ -22,7 +22,8 @@ def structure_facts(results: Results) -> dict[str, Any]:
 
     `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
     `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
-    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows.
+    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows. `ground_reactions` has the force on
+    the structure, by method, of the fixed and the support blocks with the largest ones.
     """
     scene, analysis = results.scene, results.analysis
     blocks = scene.blocks
@@ -53,7 +54,7 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "accuracy": scene.accuracy,
         "has_thrust_line": bool(len(thrust_line(analysis.assembly))),
     }
-    return facts | _mechanism_facts(results)
+    return facts | _mechanism_facts(results) | {"ground_reactions": _ground_reactions(results)}
 
 
 def stone_density(scene: Scene) -> np.ndarray:
@@ -106,3 +107,19 @@ def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
         -np.round(np.array(speed) / max(speed, default=1.0), 6), kind="stable"
     )  # equal ones but for round-off keep their order
     return {"count": len(moved), "rows": [moved[k] for k in order[:MOST_ROWS]]}
+
+
+def _ground_reactions(results: Results) -> list[dict[str, Any]]:
+    """Return name and force on the structure, N, by method, of the fixed and the support blocks that carry most; [] without an answer."""
+    assembly, run = results.analysis.assembly, results.run
+    forces = {"limit_analysis": shown_answer(results.analysis)[1].forces}
+    if run is not None and run.status == "plateau":
+        forces["yade"] = run.plateau_forces()
+    known = {name: ground_reactions(assembly, each) for name, each in forces.items() if np.isfinite(each).all()}
+    if "limit_analysis" not in known:
+        return []
+    size = np.linalg.norm(known["limit_analysis"], axis=1)
+    touched = np.intersect1d(np.flatnonzero(~assembly.blocks.free), np.append(assembly.interfaces.block_a, assembly.interfaces.block_b))
+    largest = touched[np.argsort(-size[touched], kind="stable")][:MOST_ROWS]
+    names = assembly.blocks.names
+    return [{"block": names[k]} | {name: each[k].tolist() for name, each in known.items()} for k in np.sort(largest).tolist()]

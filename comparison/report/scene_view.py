@@ -17,7 +17,7 @@ from comparison.numbers import (
     range_words,
     small_number,
 )
-from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints
+from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints, reactions
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
@@ -103,6 +103,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "energy": energy_view(comparison),
         "measures": list(measures(comparison, results["live"], units)),
         "joints": moving_joints(comparison, units),
+        "ground": reactions(comparison, units),
         "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),
         "settings": setting_rows(comparison),
@@ -192,7 +193,9 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
         "reaction": _curve(comparison, tilts),
         "record": _record_words(comparison.get("yade") or {}),
         "levels": _level_words(comparison),
-        "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
+        "thrust": " The line of thrust joins the centres of pressure."
+        if (comparison.get("structure") or {}).get("has_thrust_line")
+        else "",
     }
     shown = {name: figure for name, figure in FIGURES.items() if not (_is_falling_alone(comparison) and name in OF_FORCES)}
     for name, (heading, caption) in shown.items():
@@ -250,8 +253,8 @@ def _record_words(yade: dict[str, Any]) -> str:
 def _level_words(comparison: dict[str, Any]) -> str:
     """Return what the figure of the reaction shows of limit analysis."""
     associated, coulomb = associated_of(comparison), (comparison.get("limit_analysis") or {}).get("coulomb") or {}
-    live, curve = "multiplier" in associated, (coulomb.get("curve") or {}).get("settlement") or []
-    quantity, parts = ("multiplier", ["the upper bound"]) if live else ("reaction", ["the bounds"])
+    curve = (coulomb.get("curve") or {}).get("settlement") or []
+    quantity, parts = ("multiplier", ["the upper bound"]) if "multiplier" in associated else ("reaction", ["the bounds"])
     if not exists(associated.get(quantity)):
         return ""
     if exists(coulomb.get(quantity)):
@@ -270,10 +273,6 @@ def _curve_words(comparison: dict[str, Any]) -> str:
         joints = f"YADE's joints, {stiffer}," if number else "the joints"
         return f" The curve is drawn at the motion at which {joints} have released as much."
     return f" The curve's motion is divided by {number}: YADE's joints are {stiffer}." if number else ""
-
-
-def _is_arch(comparison: dict[str, Any]) -> bool:
-    return bool((comparison.get("structure") or {}).get("has_thrust_line"))
 
 
 def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:

@@ -52,6 +52,18 @@ def joint_forces(assembly: Assembly, forces: np.ndarray) -> JointForces:
     return JointForces(force, normal, shear, centre)
 
 
+def ground_reactions(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
+    """Force (B, 3) of each fixed and each support block on the free blocks that it touches, N; 0 for a free block.
+
+    forces (C, 3): contact forces on block b, N, global axes.
+    """
+    interfaces, force = assembly.interfaces, joint_forces(assembly, forces).force
+    reaction = np.zeros((len(assembly.blocks), 3))
+    np.add.at(reaction, interfaces.block_a, force)
+    np.add.at(reaction, interfaces.block_b, -force)
+    return np.where(assembly.blocks.free[:, None], 0.0, reaction)
+
+
 @dataclass(frozen=True)
 class JointMotion:
     """Motion of block b against block a in the I interfaces, per unit motion of the drive.

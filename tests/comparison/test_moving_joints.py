@@ -1,4 +1,4 @@
-"""A report lists the joints that open or slide: forces, how much friction is used, where the force acts, and how far blocks part."""
+"""A report lists forces of the ground, and joints that open or slide: forces, friction used, where the force acts, how far blocks part."""
 
 import html
 import re
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scenes
 from made_up_comparisons import page_and_markdown
+from runs import perfect_run
 
 from comparison.judge.summary import limit_analysis_summary
 from comparison.report import structure_facts
@@ -100,3 +101,21 @@ def test_many_joints_are_cut_to_those_that_move_most() -> None:
     assert len(found["rows"]) == min(found["count"], MOST_ROWS)
     moves = [max(row["opening"], row["slip"]) for row in found["rows"]]
     assert moves == pytest.approx(sorted(moves, reverse=True), rel=1e-5, abs=1e-9)
+
+
+def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(tmp_path: Path) -> None:
+    """Half the weight at each springing of an arch, and the thrust inwards: the reaction of the support that spreads."""
+    scene = load_scene(find("arch_spreading"))
+    analysis = analyse(scene)
+    run = perfect_run(analysis)
+    facts = structure_facts(Results(analysis, run))
+    left, right = facts["ground_reactions"]
+    assert (left["block"], right["block"]) == ("arch springer left", "arch springer right")
+    thrust = analysis.bounds[analysis.main].value
+    assert left["limit_analysis"] == pytest.approx([thrust, 0.0, scene.weight / 2.0], rel=1e-6, abs=1e-6 * scene.weight)
+    assert right["limit_analysis"] == pytest.approx([-thrust, 0.0, scene.weight / 2.0], rel=1e-6, abs=1e-6 * scene.weight)
+    assert right["yade"] == pytest.approx(right["limit_analysis"], rel=1e-3, abs=1e-3 * scene.weight)
+    summary = limit_analysis_summary(analysis) | {"structure": facts, "verdict": None}
+    page, markdown = page_and_markdown(tmp_path, summary)
+    for words in ("Forces of the ground and the support", "YADE, z, kN", "−2.552", "7.296"):
+        assert words in page and (words in markdown or words.startswith("Forces")), words
