@@ -4,6 +4,8 @@ import dataclasses
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from la_core.analysis.stage import analyse
 from yade_scripts import case, settings
 from yade_scripts.vibration import highest_eigenvalue, slowed, springs_of
 from yade_scripts.vibration.inertia import MOST
+from yade_scripts.vibration.springs import Springs
 
 ROUND_OFF = 1e-9
 SHARE = 0.05  # of the mass
@@ -74,6 +77,20 @@ def test_a_moment_of_inertia_grows_only_until_the_block_turns_as_slowly_as_it_sh
         true = one.inertia[block, 1, 1] * np.eye(3) if one.plane else one.inertia[block]
         needed = np.linalg.eigvals(np.linalg.solve(true, turning[block])).real.max() / shifts
         assert slow.tensor[block, 1, 1] == pytest.approx(min(max(1.0, needed), MOST) * true[1, 1])
+
+
+def test_a_block_that_turns_as_slowly_as_it_shifts_keeps_its_moment_of_inertia() -> None:
+    """By hand: blocks of 2 kg and 0.5 kg m2 shift at 400 N/m / 2 kg = 200 /s2, and turn at 3, 1.1, 0.5 and 1000 times that rate.
+
+    A block of 1 kg, which shifts faster, takes the mass that is added, 0.1 of all 9 kg.
+    """
+    shifting = np.diag([100.0, 400.0, 300.0]) * np.array([1.0, 1.0, 1.0, 1.0, 1e3])[:, None, None]
+    turning = 0.5 * 200.0 * np.array([3.0, 1.1, 0.5, 1000.0, 0.0])[:, None, None] * np.diag([1.0, 0.7, 0.3])
+    blocks = SimpleNamespace(mass=np.array([2.0, 2.0, 2.0, 2.0, 1.0]), inertia=np.tile(0.5 * np.eye(3), (5, 1, 1)), plane=False)
+    blocks.free = np.arange(5)
+    slow = slowed(cast(case.Case, blocks), cast(Springs, SimpleNamespace(of_blocks=lambda: (shifting, turning))), 0.1)
+    assert slow.mass == pytest.approx([2.0, 2.0, 2.0, 2.0, 1.9])
+    assert slow.tensor[:, 1, 1] == pytest.approx([1.5, 0.55, 0.5, 50.0, 0.5])  # a hundred times at most
 
 
 def test_the_stiffness_of_a_block_is_what_its_own_motion_feels(one: case.Case) -> None:
