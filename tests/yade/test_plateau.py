@@ -87,6 +87,19 @@ def test_white_noise_makes_the_error_of_a_line_by_least_squares() -> None:
     assert np.median(ratios) == pytest.approx(1.05, abs=0.1)  # some records seem to have a memory
 
 
+def test_a_bent_record_tells_no_more_than_three_rows_with_one_freedom_left() -> None:
+    """By hand: a line through n rows with n - 2 freedoms has sigma^2 = n mean(residual^2) / (n - 2) and var(intercept) =
+    sigma^2 (1 + centre^2 / var(s)) / n, and a parabola, each row of which all but repeats the one before, has the fewest rows, n = 3.
+    """
+    s = settlement()
+    r = REACTION + 1.5 * (2.0 * s / TRAVEL - 1.0) ** 2
+    fit = fitted(s, r)
+    kept = s >= fit.start
+    residual = r[kept] - np.polyval(np.polyfit(s[kept], r[kept], 1), s[kept])
+    variance = 3.0 * np.mean(residual**2) * (1.0 + s[kept].mean() ** 2 / s[kept].var()) / 3.0
+    assert fit.from_scatter == pytest.approx(plateau.student(1.0) * np.sqrt(variance))
+
+
 def test_a_line_is_uncertain_by_what_lies_between_it_and_its_level_and_by_the_strain_that_may_be_left() -> None:
     """By hand, where turning blocks explain 0.2 of the slope. What lies between line and level, slope times centre, has a rectangular
     distribution. Strain c / s left at the centre has the slope c / centre^2 there: the line drawn back by slope times centre gives back
