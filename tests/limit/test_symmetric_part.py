@@ -152,6 +152,17 @@ def test_a_structure_that_cannot_stand_falls_on_both_sides() -> None:
     assert set(part.falling) == set(whole.falling) == {"slab 0", "slab 1"}
 
 
+def test_both_mirrors_of_a_pier_are_found_in_every_direction() -> None:
+    """Its centroids lie three by two in plan: their principal axes are those of the pier."""
+    places = [(0.4 * i, 0.3 * j, 0.2 * k) for i in range(3) for j in range(2) for k in range(2)]
+    stones = [scenes.box(f"stone {n}", (x, y, z), (x + 0.4, y + 0.3, z + 0.2)) for n, (x, y, z) in enumerate(places)]
+    pier = scenes.build(*stones, scenes.box("footing", (0.0, 0.0, -0.2), (1.2, 0.6, 0.0), "support"), plane=False, inset=0.001)
+    for angle in (0.0, 0.4, 2.0):
+        axes, found = images(assemble(turned(pier, angle)))
+        along = abs(axes[:2] @ [np.cos(angle), np.sin(angle), 0.0])
+        assert len(found) == 4 and sorted(along) == pytest.approx([0.0, 1.0], abs=1e-6)
+
+
 def test_a_small_problem_is_not_searched_for_mirrors() -> None:
     with patch.object(symmetric_part, "LEAST_UNKNOWNS", 1000), patch.object(symmetric_part, "images") as search:
         solve_associated(assemble(middle()), Drive.YIELDING)
