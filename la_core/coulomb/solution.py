@@ -149,14 +149,12 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
 
 
 def _by_dilatancy(assembly: Assembly, associated: Solution) -> float:
-    """Power of friction in the associated mechanism, per unit of the support's motion (N, N m) or of the live load's power.
+    """Power of friction in the associated mechanism, which is one for the support's unit motion or for unit power of the live load.
 
     The search for sliding leaves out joints that slide so little. Their dilatancy may still make a least reaction too small, or a
     multiplier too large, by this power.
     """
-    power = mechanism.friction_power(assembly, associated.twists, associated.forces)
-    driven = float(np.sum(assembly.live_load * associated.twists)) if assembly.has_live_load else 1.0
-    return power / driven if driven > 0.0 else 0.0
+    return mechanism.friction_power(assembly, associated.twists, associated.forces)
 
 
 def without_answer(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:
