@@ -37,7 +37,7 @@ def check_prediction(results: Results) -> Iterator[Check]:
         yield check_steadiness(results)
     determined = not (prediction.slides or analysis.is_without_bound)
     for check in check_mechanism(results, prediction.twists, determined, is_alone=prediction.slides and analysis.coulomb is None):
-        yield _remark(check) if agrees and not determined and np.isfinite(run.mechanism()).all() else check
+        yield _remark(check) if agrees and np.isfinite(run.mechanism()).all() else check
 
 
 def _remark(check: Check) -> Check:
