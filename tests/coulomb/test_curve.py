@@ -35,6 +35,19 @@ def test_a_plateau_states_its_change_and_its_scatter_without_a_stray_jump() -> N
     assert found.scatter == pytest.approx(0.001)
 
 
+def test_a_curve_changes_from_its_second_quarter_to_its_second_half_and_scatters_over_its_last_quarter() -> None:
+    progress = np.linspace(0.0, 1.0, 1001)
+    values = np.select([progress <= 0.25, progress <= 0.5, progress <= 0.75], [7.0, 0.3, 0.22], 0.2)
+    found = plateau.plateau_of(progress, values, 1.0, 0.201)
+    assert (found.mean, found.change, found.scatter) == pytest.approx((0.21, 0.09, 0.001))
+
+
+@pytest.mark.parametrize(("value", "least"), [(0.2, 0.2), (-0.2, 0.2), (0.0, 1e-3)])
+def test_a_plateau_is_known_to_one_per_cent_of_its_value_or_of_a_thousandth_of_the_weight(value: float, least: float) -> None:
+    known, unknown = (plateau.Plateau(value, value, 0.0, share * least, 1.0) for share in (0.0099, 0.0101))
+    assert known.is_known and not unknown.is_known
+
+
 @pytest.mark.parametrize(("values", "expected"), [
     ([0.2], [[0]]),
     ([0.2, 0.2001], [[0, 1]]),

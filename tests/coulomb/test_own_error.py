@@ -100,6 +100,7 @@ def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[f
         ([(0.3, 1e-3), (0.2, 1e-3)], [1]),
         ([(0.2, 1e-3), (0.3, 1e-6), (0.2, 1e-3)], [2, 0]),
         ([(0.2, 1e-6), (0.2, 1e-6), (0.2, 1e-3)], [1, 0, 2]),
+        ([(0.3, 1e-6), (0.2, 1e-6), (0.2, 1e-6), (0.3, 1e-6)], [3, 0]),  # the finest path decides
     ],
 )
 def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list[tuple[float, float]], chosen: list[int]) -> None:
@@ -108,11 +109,49 @@ def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list
     assert on_one_plateau(paths) == [paths[i] for i in chosen]
 
 
+def test_paths_with_smooth_joints_are_on_one_plateau_however_far_apart() -> None:
+    """Their smoothing keeps them apart, not the structure."""
+    paths = [ended(0.3, 1e-3), ended(0.2, 1e-6)]
+    assert on_one_plateau(paths) == [paths[1]]
+    for path in paths:
+        path.smooth_error = 1e-4
+    assert on_one_plateau(paths) == paths[::-1]
+
+
 @pytest.mark.parametrize(("end", "mean"), [(0.303, 0.3), (0.3, 0.303)])
 def test_what_paths_differ_by_at_their_end_or_on_their_way_is_uncertain(end: float, mean: float) -> None:
     """Both come to one plateau, which shows neither change nor scatter."""
     coarse, fine = (SimpleNamespace(smooth_error=0.0, plateau=Plateau(*values, 0.0, 0.0, 1.0)) for values in ((end, mean), (0.3, 0.3)))
     assert stated_uncertainty(fine, [coarse, fine]) == pytest.approx(SAFETY * 0.003)
+
+
+def test_of_three_paths_the_two_finest_say_what_is_uncertain() -> None:
+    paths = [SimpleNamespace(smooth_error=0.0, plateau=Plateau(value, value, 0.0, 0.0, 1.0)) for value in (0.302, 0.3004, 0.3)]
+    assert stated_uncertainty(paths[-1], paths) == pytest.approx(2.0 * 0.0004)
+
+
+def test_paths_that_end_alike_are_as_uncertain_as_their_curve_and_their_steps() -> None:
+    """Steps leave 3e-4 of the value; a curve that scatters, or still changes, leaves what it does."""
+    for scatter, left in ((0.0, 3e-4 * 0.3), (5e-5, 3e-4 * 0.3), (5e-3, 5e-3), (math.nan, 3e-4 * 0.3)):
+        path = SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.3, 0.0, scatter, 1.0))
+        assert stated_uncertainty(path, [path, path]) == pytest.approx(left)
+
+
+@pytest.mark.parametrize(
+    ("coarse", "reached", "law", "left"),
+    [
+        (0.306, 0.301, 0.002, 2.0 * 0.006),  # the paths differ by 0.006
+        (0.3, 0.301, 0.002, 5.0 * 0.001),  # the limit state is 0.001 away from the end of the path
+        (0.3, 0.301, 0.004, 2.0 * 0.004),  # the law of the joints is off by 0.004
+    ],
+)
+def test_a_path_with_smooth_joints_is_uncertain_by_the_largest_of_what_its_smoothing_leaves(
+    coarse: float, reached: float, law: float, left: float
+) -> None:
+    """Two times what the paths or the law leave, five times the way to the limit state; their means say nothing."""
+    ends = ((coarse, 0.5), (0.3, 0.3))
+    paths = [SimpleNamespace(smooth_error=law, plateau=Plateau(*end, 0.0, 0.0, 1.0), values=np.array([0.9, reached])) for end in ends]
+    assert stated_uncertainty(paths[1], paths) == pytest.approx(left)
 
 
 def test_a_curve_that_is_not_flat_may_still_change_by_three_times_its_last_change() -> None:
