@@ -4,6 +4,8 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import h5py
 import numpy as np
@@ -107,6 +109,44 @@ def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
     coulomb = predicted(scene)
     change, doubt = change_by_release(coulomb, scene.weight)
     assert math.isfinite(change) and abs(change) + doubt < CHANGED
+
+
+@pytest.mark.parametrize(
+    ("released", "doubts", "changed"),
+    [
+        (1.004, (1e-4, 1e-4), False),  # within half a per cent, which a judge allows without any doubt
+        (1.006, (1e-4, 1e-4), True),
+        (0.994, (1e-4, 1e-4), True),
+        (1.02, (0.015, 0.004), True),
+        (1.02, (0.015, 0.006), False),
+        (1.02, (0.006, 0.015), False),
+    ],
+)
+@pytest.mark.parametrize(("value", "weight"), [(300.0, 1000.0), (-0.2, 1.0), (0.0, 500.0)])
+def test_a_release_changes_a_value_by_more_than_half_a_per_cent_and_than_both_doubts(
+    released: float, doubts: tuple[float, float], changed: bool, value: float, weight: float
+) -> None:
+    """All are over the value, and over a thousandth of the weight where the value is less."""
+    size = max(abs(value), 1e-3 * weight)
+    before, after = (doubt * size for doubt in doubts)
+    coulomb = SimpleNamespace(value=value, released=value + (released - 1.0) * size, uncertainty=before, released_uncertainty=after)
+    assert release.is_changed_by_release(cast(CoulombSolution, coulomb), weight) is changed
+
+
+@pytest.mark.parametrize(("share", "known"), [(0.24, True), (0.26, False)])
+def test_a_value_after_a_release_that_is_uncertain_by_a_quarter_of_itself_is_unknown(
+    share: float, known: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(release, "stated_uncertainty", lambda chosen, _: share * chosen.plateau.value)
+    coulomb = analyse(RELEASES).coulomb
+    assert coulomb is not None and math.isfinite(coulomb.released) is math.isfinite(coulomb.released_uncertainty) is known
+
+
+def test_nothing_goes_on_where_one_path_has_not_come_to_its_first_travel() -> None:
+    none: Any = None
+    paths: Any = [SimpleNamespace(first_travel="here"), SimpleNamespace(first_travel=None)]
+    found = release.released(none, none, paths, PredictionSettings(), none)
+    assert math.isnan(found.value) and math.isnan(found.uncertainty) and found.iterations == 0 and not found.is_doubtful
 
 
 @pytest.mark.parametrize("more", [SMALL, FINITE, {"yade.wedging": 1e-5}], ids=["small", "finite", "wedged"])
