@@ -186,6 +186,8 @@ def test_a_mechanism_that_does_the_same_work_but_penetrates_is_another_one() -> 
     run.poses.displacement[:, np.flatnonzero(arch.assembly.blocks.free)[3], 0] += 3.0 * run.poses.settlement
     check = named(SIMILARITY, judged(arch, run))
     assert check.verdict is Verdict.DISAGREE and "not unique" not in check.reason
+    assert check.limit_analysis == 1.0 and check.yade is not None and check.yade < 0.95
+    assert check.difference == check.yade - 1.0  # YADE's number less that of limit analysis, as in every check
 
 
 def test_a_mechanism_that_yade_does_not_show_is_no_agreement_even_where_the_reactions_agree(wall: LimitAnalysis) -> None:

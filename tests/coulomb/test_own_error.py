@@ -72,6 +72,8 @@ def test_end_of_the_path_is_certified(name) -> None:
     assert solution.uncertainty >= 0.0
     assert len(solution.path_value) == len(solution.path_settlement) > 10
     assert (np.diff(solution.path_settlement) > 0.0).all()
+    assert solution.path_value[0] == pytest.approx(solution.at_rest)  # the curve is in newtons from rest to the plateau
+    assert solution.path_value[-1] == pytest.approx(solution.value, rel=0.02)
 
 
 def ended(value: float, worst: float) -> SimpleNamespace:
