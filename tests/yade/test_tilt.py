@@ -11,9 +11,11 @@ from conftest import Silent
 from numpy.testing import assert_allclose
 
 from comparison.cli.conclude import lines_below
+from comparison.judge import comparison_summary
 from comparison.numbers import Units
 from comparison.report.plain_words import plain_words
 from comparison.workflow import run_scene
+from comparison.yade import Results
 from la_core.analysis import analyse
 from la_core.errors import SceneError
 from la_core.scene import Scene, tilt_angles
@@ -91,6 +93,15 @@ def test_a_tilt_is_the_push_and_the_same_structure_on_ground_tilted_by_the_angle
     gravity = 9.81 * np.array([math.sin(angle), 0.0, -math.cos(angle)])
     critical = analyse(scenes.build(*parts, live=(1.0, 0.0, 0.0), gravity=gravity))
     assert critical.bounds[critical.main].value == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_summary_has_the_angle_of_yades_multiplier_and_its_uncertainty() -> None:
+    """Half of what the angle changes by between both ends of the multiplier."""
+    run = {"status": "plateau", "message": "", "reaction": 0.35, "uncertainty": 2e-3}
+    yade = comparison_summary(Results(analyse(stack(0.6, 0.4, friction=0.35))), run, [], [])["yade"]
+    low, angle, high = (math.degrees(math.atan(tangent)) for tangent in (0.348, 0.35, 0.352))
+    assert yade["multiplier"] == 0.35 and yade["angle"] == pytest.approx(angle)
+    assert yade["angle_uncertainty"] == pytest.approx(0.5 * (high - low), rel=1e-4)
 
 
 def test_an_angle_has_the_uncertainty_of_its_tangent() -> None:
