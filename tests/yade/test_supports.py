@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from la_core import exchange
 from yade_scripts import case
 from yade_scripts.driving import drives_of, ramp, set_speed
 
@@ -41,10 +42,47 @@ def engines(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "yade", stand_in)
 
 
-def case_of(*twists: Any) -> Any:
+def case_of(*twists: Any, **more: Any) -> Any:
     one: Any = object.__new__(case.Case)
-    vars(one)["support_twists"] = np.array([[0.0] * 6, *twists])  # the first block is free
+    vars(one).update({"support_twists": np.array([[0.0] * 6, *twists])} | more)  # the first block is free
     return one
+
+
+@pytest.mark.parametrize(
+    ("twists", "motion", "places", "leader"),
+    [
+        ([HALF, DOWN, HALF], DOWN, [0.0, 0.0, 0.0], 2),
+        ([DOWN, HALF], DOWN, [0.0, 0.0], 1),
+        ([HALF_TURN, TURN], TURN, [9.0, 2.5], 2),  # an angle is that of the one that turns most
+        ([TURN, TURN], DOWN, [3.0, 5.0], 2),  # a way is that of the one farthest from the axis
+        ([TURN, TURN], DOWN, [5.0, 3.0], 1),
+    ],
+)
+def test_the_support_that_moves_most_leads(twists: list[list[float]], motion: list[float], places: list[float], leader: int) -> None:
+    """places: of their centroids along x, at the height of the axis."""
+    centroid = np.array([[0.0, 0.0, 0.0], *([x, 0.0, -1.0] for x in places)])
+    role = np.array([exchange.FREE, *[exchange.SUPPORT] * len(twists)])
+    assert case_of(*twists, role=role, live=None, support_twist=np.array(motion), centroid=centroid).leader == leader
+
+
+def test_the_speed_of_supports_is_that_of_their_fastest_contact_point_beside_the_other_block() -> None:
+    """About an axis 1 m and 4 m away, beside a free block; two supports that move alike, 8 m away, do not part."""
+    position = np.array([[3.0, 0.0, -1.0], [-2.0, 0.0, -1.0], [10.0, 0.0, -1.0]])
+    contacts = {"block_a": np.array([0, 2, 1]), "block_b": np.array([1, 0, 2]), "position": position}
+    assert case_of(TURN, TURN, live=None, **contacts).support_speed == pytest.approx(4.0)
+    assert case_of(HALF, DOWN, live=None, **contacts).support_speed == pytest.approx(1.0)
+    assert case_of(TURN, TURN, live=np.array([1.0, 0.0, 0.0]), **contacts).support_speed == 1.0
+
+
+@pytest.mark.parametrize(("plane", "size"), [(True, 2.0), (False, 9.0)])
+def test_units_of_force_and_of_length_are_those_of_a_free_block(plane: bool, size: float) -> None:
+    """Mean weight with dead loads, and median of the largest extent, in the plane without the depth; a held block counts in neither."""
+    extents = [(1.0, 9.0, 0.5), (50.0, 9.0, 50.0), (2.0, 9.0, 1.0), (4.0, 9.0, 5.0)]
+    vertices = tuple(np.array([[0.0, 0.0, 0.0], extent]) for extent in extents)
+    masses = {"mass": np.array([2.0, 100.0, 4.0, 3.0]), "load_weight": np.array([5.0, 7.0, 0.0, 1.0])}
+    role = np.array([exchange.FREE, exchange.SUPPORT, exchange.FREE, exchange.FREE])
+    one = case_of(plane=plane, role=role, gravity=np.array([6.0, 0.0, -8.0]), vertices=vertices, **masses)
+    assert (one.block_weight, one.weight, one.block_size) == pytest.approx((32.0, 96.0, size))
 
 
 @pytest.mark.parametrize(
