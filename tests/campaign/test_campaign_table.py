@@ -17,6 +17,7 @@ from comparison.campaign import columns, table
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
 from comparison.campaign.mechanism_labels import mechanism_label
+from comparison.campaign.row_groups import is_number, ordered
 from comparison.campaign.row_values import verdict_counts
 from comparison.cli.study_verbs.campaign import exit_code
 from comparison.studies.sensitivity import study
@@ -206,3 +207,9 @@ def test_where_the_support_moves_alone_no_block_moves_whatever_round_off_is_left
     noise = np.random.default_rng(5).normal(size=(20, *twists.shape)) * ROUND_OFF * blocks.free[:, None]
     labels = {mechanism_label(assembly, twists + one) for one in (np.zeros_like(twists), *noise)}
     assert len(labels) == 1 and str(labels.pop()).startswith("0-")
+
+
+def test_true_is_a_choice_and_no_number_and_choices_follow_numbers_in_their_own_order() -> None:
+    """To Python true is 1; a sweep of an effect, on and off, has no axis of numbers."""
+    assert json.dumps(ordered([True, 2, 1.0, 1, False, "auto", 0.5], ["auto", False, True])) == '[0.5, 1, 2, "auto", false, true]'
+    assert [is_number(value) for value in (1, 1.0, True, False, "1", None)] == [True, True, *[False] * 4]

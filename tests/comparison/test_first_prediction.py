@@ -235,7 +235,10 @@ def test_another_scene_in_the_folder_has_no_first_answer(tmp_path: Path, made_up
 def test_of_two_restorations_the_very_first_answer_is_kept(tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]) -> None:
     """The first run slides; the second, with friction, moves the block too far for the contacts that it knows."""
     made_up_yade(lambda analysis: sliding(analysis, 0.0 if analysis.assembly.effects.friction == "none-slides" else FAR))
-    summary = run_scene(two_pads(), tmp_path / "two_pads", Silent(), with_yade=True)
+    listener = Listening()
+    summary = run_scene(two_pads(), tmp_path / "two_pads", listener, with_yade=True)
+    told = [one.partition("left out ")[2].split(":")[0] for one in listener.heard if "repeated with effects" in one]
+    assert told == ["(friction", "(displacement"]  # each time what is new
     first = summary["first_prediction"]
     assert first["restored"] == ["friction", "displacement"] and "friction" in first["left_out"]
     assert first["coulomb"]["iterations"] == analyse(two_pads()).coulomb.iterations  # type: ignore[union-attr]
