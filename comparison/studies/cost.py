@@ -199,7 +199,7 @@ def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> d
     """Return the references of the errors and their sources: the scene's exact value, else the finest rung."""
     divisor = 1.0 if scene.live is not None else scene.weight
     known = _known(scene)
-    finest = [(m, o) for m, o in measured if m.target == ASSOCIATED and m.family == "cone programme" and o.status == "solved"][-1]
+    finest = [(m, o) for m, o in measured if m.family == "cone programme" and o.status == "solved"][-1]
     references = {ASSOCIATED: (finest[1].value / divisor, f"the cone programme with {finest[0].setting}")}
     inset = prediction_inset(scene)
     if known[PREDICTION] is None:
