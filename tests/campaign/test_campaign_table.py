@@ -16,6 +16,7 @@ import comparison
 from comparison.campaign import columns, table
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
+from comparison.campaign.mechanism_changes import letter
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.campaign.row_groups import is_number, ordered
 from comparison.campaign.row_values import verdict_counts
@@ -213,3 +214,7 @@ def test_true_is_a_choice_and_no_number_and_choices_follow_numbers_in_their_own_
     """To Python true is 1; a sweep of an effect, on and off, has no axis of numbers."""
     assert json.dumps(ordered([True, 2, 1.0, 1, False, "auto", 0.5], ["auto", False, True])) == '[0.5, 1, 2, "auto", false, true]'
     assert [is_number(value) for value in (1, 1.0, True, False, "1", None)] == [True, True, *[False] * 4]
+
+
+def test_mechanisms_have_letters_as_the_columns_of_a_spreadsheet_have() -> None:
+    assert [letter(k) for k in (0, 1, 25, 26, 27, 51, 52, 701, 702)] == ["A", "B", "Z", "AA", "AB", "AZ", "BA", "ZZ", "AAA"]

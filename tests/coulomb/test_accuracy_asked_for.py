@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 import scenes
+from conftest import Silent
 
+import la_core
 from comparison.cli.commands import main
+from comparison.workflow.one_scene import run_scene
 from la_core.analysis.accuracy import with_accuracy
 from la_core.analysis.result import AccuracyRecord, Attempt, record_from_text, record_to_text
 from la_core.scene.scene import scene_of_text
@@ -75,3 +78,12 @@ def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, cap
     assert json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"] == first
     for page in ("report.md", "report.html"):
         assert "viscosities of 0.01 and 0.001" in (tmp_path / "out" / page).read_text()
+
+
+@pytest.mark.parametrize("accuracy", [None, 0.02])
+def test_a_note_says_of_sharp_edges_which_inset_both_methods_share(accuracy: float | None, tmp_path: Path) -> None:
+    """No accuracy makes a sharp edge one that YADE can have."""
+    sharp = la_core.variant(scenes.shipped("two_pads"), {"joint.inset": 0.0})
+    scene = sharp if accuracy is None else with_accuracy(sharp, accuracy)
+    summary = run_scene(scene, tmp_path / "sharp", Silent(), with_yade=False, figures=lambda _: {})
+    assert [note[:38] for note in summary["notes"]] == ["The scene has sharp edges (inset 0). Y"]

@@ -98,6 +98,7 @@ def test_an_attempt_follows_from_how_the_one_before_ended(wall: case.Case, scrip
         ({"damping_ratio": 0.3}, [RATTLING], [2.0, 1.0]),
         ({"swing_damping": 0.0}, [RATTLING, {}], [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),
         ({"swing_damping": 0.0}, [{}, RATTLING, {}], [QUICK, OWN, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),  # a quick one again
+        ({"swing_damping": 0.5}, [RATTLING, {}], [CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # its dashpots are the program's to choose
         ({"quick_speed": 0.0}, [{}], [OWN]),
     ],
 )
