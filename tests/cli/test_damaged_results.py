@@ -13,7 +13,8 @@ from faulty_runs import INTERRUPTED, TOOL, answer, one_message
 
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
-from comparison.workflow.one_scene import read_results
+from comparison.judge import without_run
+from comparison.workflow.one_scene import _without_run, read_results
 from la_core.exchange.checksummed_file import VERSION, ExchangeError
 from la_core.scene.shipped import find
 
@@ -251,3 +252,12 @@ def test_a_stored_scene_that_breaks_a_rule_is_an_error_of_the_scene(
     assert main(["report", str(copy), "-q"]) == 2
     one_message(capsys.readouterr().err, str(scene), "fricton")
     assert "broken" in (copy / "report.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("status", ["missing", "failed"])
+def test_a_yade_that_made_no_record_keeps_its_own_reason(status: str, tmp_path: Path) -> None:
+    """A record is only lost where there was one."""
+    own = without_run(status, "why")
+    assert _without_run(own, tmp_path) == own and _without_run(None, tmp_path) is None
+    lost = _without_run(without_run("plateau", ""), tmp_path)
+    assert lost is not None and lost["status"] == "failed" and "run.h5" in lost["message"]

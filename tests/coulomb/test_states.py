@@ -1,6 +1,8 @@
 """States at the end of a prediction: equilibrium, cones, no dilation, the balance of work, and the interval of their mechanism."""
 
+import itertools
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -27,6 +29,7 @@ from la_core.coulomb import (
     ACCEPTED_RESIDUAL,
     interval,
 )
+from la_core.limit import ProgrammeOutcome
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import residuals
@@ -136,6 +139,31 @@ def test_interval_does_not_depend_on_the_threshold_within_a_decade(mu, split, ex
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 def test_interval_of_a_plane_wall_is_the_same_in_3d(plane) -> None:
     assert bounds(great_wall(0.6, 1.6, plane)) == pytest.approx((0.0613, 0.0833), abs=DIGIT)
+
+
+def test_the_width_of_an_interval_is_over_the_value_or_over_a_thousandth_of_the_weight() -> None:
+    assert interval.relative_width((270.0, 300.0), 280.0, 1000.0) == pytest.approx(30.0 / 280.0)
+    assert interval.relative_width((-300.0, -270.0), -280.0, 1000.0) == pytest.approx(30.0 / 280.0)
+    assert interval.relative_width((0.0, 0.5), 0.1, 1000.0) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("live", [False, True], ids=["settlement", "live load"])
+@pytest.mark.parametrize("side", [0, 1], ids=["low", "high"])
+def test_an_end_that_nothing_limits_is_infinite_on_its_own_side(side: int, live: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A programme without an admissible velocity does not limit the force: the other end stays what it is."""
+    given: dict[str, Any] = {"settlement": None, "live": (1.0, 0.0, 0.0)} if live else {}
+    scene = scenes.build(*scenes.wall(4, 3, split=None if live else 0.8), friction=0.6, **given)
+    _, usual = answer(scene)
+    original, calls = interval.optimum, itertools.count()
+
+    def optimum(*arguments: Any) -> Any:
+        found = original(*arguments)
+        return replace(found, outcome=ProgrammeOutcome.EMPTY) if next(calls) % 2 == side else found
+
+    monkeypatch.setattr(interval, "optimum", optimum)
+    _, other = answer(scene)
+    assert other.interval[side] == (-math.inf, math.inf)[side]
+    assert other.interval[1 - side] == pytest.approx(usual.interval[1 - side]) and math.isfinite(usual.interval[1 - side])
 
 
 @pytest.mark.parametrize(

@@ -202,6 +202,14 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
     assert [pose.settlement for pose in record.poses] == pytest.approx([0.0, 3e-3])
 
 
+def test_blocks_rattle_where_forces_are_unbalanced_on_the_mean_of_the_later_travel() -> None:
+    """The way to the plateau does not count, nor does one force: 1 and 3 are 2 on the mean."""
+    rows = [SimpleNamespace(settlement=place, unbalanced=force) for place, force in ((0.1, 10.0), (0.6, 1.0), (0.9, 3.0))]
+    record: Any = SimpleNamespace(settlement=lambda: 1.0, settling=lambda: rows)
+    assert recorder.Record.rattles(record, 0.5, 1.9) and not recorder.Record.rattles(record, 0.5, 2.1)
+    assert recorder.Record.rattles(record, 0.05, 4.5) and not recorder.Record.rattles(record, 0.95, 0.0)  # no row, no rattling
+
+
 def test_one_large_force_that_is_unbalanced_while_the_supports_move_is_a_jump(scene: Scene) -> None:
     record = record_of()
     scene.force[10] = -INERT[0] * GRAVITY + [0.0, 60.0, 0.0]
