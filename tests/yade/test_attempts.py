@@ -166,6 +166,16 @@ def test_all_attempts_together_are_affordable_but_that_at_the_run_s_own_speed_is
     assert tried == [*expected, (1.0, *expected[-1][1:])]
 
 
+@pytest.mark.parametrize(("share", "is_made"), [(0.16, True), (0.17, False)])
+def test_an_attempt_at_a_quarter_of_the_speed_is_made_where_four_times_the_steps_are_affordable(
+    wall: case.Case, share: float, is_made: bool
+) -> None:
+    """With the two before it takes six times as many steps as one of them. share: of the most time steps, which an attempt takes."""
+    steps = {"steps": int(share * settings.most_steps(len(wall.host)))}
+    tried, _ = made(wall, {"reaction": 101.0} | steps, steps)
+    assert tried == [QUICK, OWN, *([SLOW] if is_made else [])]
+
+
 def test_a_quicker_attempt_takes_less_time_over_its_ramp_and_its_travel(wall: case.Case) -> None:
     usual = settings.derive(wall)
     quick = attempts.settings_of(wall, usual, attempts.Plan(2.0))
