@@ -11,6 +11,8 @@ from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
 
 from comparison.judge.checks.answer import check_expected
 from comparison.judge.checks.sections import SECTION, check_sections
+from comparison.judge.summary import _where_nothing_is_borne
+from comparison.verdict import BEARS_NOTHING
 from comparison.verdict.check import Verdict, overall
 from comparison.yade import Results, Run
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis
@@ -79,6 +81,15 @@ def test_one_of_two_like_columns_may_tip_alone(pressed: bool) -> None:
     alone *= blocks.free.sum() / alone[blocks.free, 0].sum()
     check = named(SIMILARITY, judged(analysis, driven(analysis, alone, bound.forces, bound.value)))
     assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+
+
+@pytest.mark.parametrize(("multiplier", "is_nothing"), [(0.99e-4, True), (1.01e-4, False), (0.3, False)])
+def test_a_multiplier_of_less_than_its_floor_bears_nothing_and_sharp_edges_may_bear_more(multiplier: float, is_nothing: bool) -> None:
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4)), friction=0.35)
+    bound = dataclasses.replace(analysis.bounds[Drive.LIVE], value=multiplier)
+    told = _where_nothing_is_borne(with_answers(analysis, bounds={Drive.LIVE: bound}))
+    assert (told != "") is is_nothing
+    assert not told or (told.startswith(BEARS_NOTHING) and "With sharp edges the multiplier is 0.35:" in told)
 
 
 def test_a_block_that_slides_under_a_live_load_has_the_friction_state_of_its_multiplier() -> None:
