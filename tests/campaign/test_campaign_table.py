@@ -19,7 +19,7 @@ from comparison.campaign.definition import load_campaign
 from comparison.campaign.mechanism_changes import letter
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.campaign.row_groups import is_number, ordered
-from comparison.campaign.row_values import verdict_counts
+from comparison.campaign.row_values import mechanism_name, verdict_counts
 from comparison.cli.study_verbs.campaign import exit_code
 from comparison.studies.sensitivity import study
 from la_core.analysis.stage import analyse
@@ -218,3 +218,9 @@ def test_true_is_a_choice_and_no_number_and_choices_follow_numbers_in_their_own_
 
 def test_mechanisms_have_letters_as_the_columns_of_a_spreadsheet_have() -> None:
     assert [letter(k) for k in (0, 1, 25, 26, 27, 51, 52, 701, 702)] == ["A", "B", "Z", "AA", "AB", "AZ", "BA", "ZZ", "AAA"]
+
+
+@pytest.mark.parametrize(("status", "label"), [(None, "2-a"), ("solved", "3-c"), ("inaccurate", "3-c")])
+def test_the_mechanism_of_limit_analysis_is_that_of_the_prediction_where_one_was_asked_for(status: str | None, label: str) -> None:
+    row = {"coulomb_status": status, "associated_mechanism": "2-a", "coulomb_mechanism": "3-c", "yade_mechanism": "4-y"}
+    assert [mechanism_name(row, method) for method in ("limit", "associated", "coulomb", "yade")] == [label, "2-a", "3-c", "4-y"]
