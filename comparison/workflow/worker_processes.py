@@ -118,7 +118,7 @@ class _Worker:
 
     def begin(self, work: Any, attempt: int) -> None:
         self.work, self.attempt = work, attempt
-        with contextlib.suppress(OSError):  # `ended` notices a dead worker by the end of its pipe
+        with _broken_pipe_held(), contextlib.suppress(OSError):  # `ended` notices a dead worker by the end of its pipe
             self.pipe.send(work)
 
 
@@ -145,6 +145,18 @@ def _interruptions_held() -> Iterator[None]:
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _broken_pipe_held() -> Iterator[None]:
+    """Keep a worker that died from ending this process by SIGPIPE, which a pipe of the shell that nobody reads must still do."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
+    try:
+        yield
+    finally:
+        if signal.SIGPIPE in signal.sigpending():
+            signal.sigwait({signal.SIGPIPE})
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 

@@ -177,9 +177,20 @@ def test_a_scheduler_that_is_not_there_is_named(
     assert begun(tmp_path / "out") == []
 
 
+@pytest.mark.slow
+def test_a_scheduler_that_goes_away_does_not_end_the_program_by_a_broken_pipe(tmp_path: Path) -> None:
+    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as the command line sets it
+    try:
+        with cluster(1) as address, Dask(address, tmp_path):
+            assert signal.getsignal(signal.SIGPIPE) is signal.SIG_IGN
+        assert signal.getsignal(signal.SIGPIPE) is signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGPIPE, before)
+
+
 @pytest.mark.yade
 @pytest.mark.long
-def test_a_scheduler_that_goes_away_in_the_middle_is_told_and_the_next_call_goes_on(tmp_path: Path, plain_figures: None) -> None:
+def test_a_scheduler_that_goes_away_in_in_the_middle_is_told_and_the_next_call_goes_on(tmp_path: Path, plain_figures: None) -> None:
     out, path = tmp_path / "out", tmp_path / "campaign.toml"
     path.write_text(WITH_YADE, encoding="utf-8")
     with cluster(1) as address:

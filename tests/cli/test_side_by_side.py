@@ -130,6 +130,24 @@ def test_work_whose_workers_all_die_is_lost_in_words() -> None:
     assert of == "work" and isinstance(made, WorkerLostError) and f"ended with exit code 9, {ATTEMPTS} times; its own message" in str(made)
 
 
+def test_a_worker_that_dies_while_it_waits_is_replaced_although_a_broken_pipe_ends_the_program() -> None:
+    before = signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as the command line sets it
+    try:
+        with WorkerProcesses(int, 1) as workers:
+            workers.begin("7")
+            assert workers.ended(PATIENCE) == [("7", 7)]
+            (idle,) = workers._idle
+            idle.process.kill()
+            idle.process.join()
+            workers.begin("8")
+            assert workers.ended(PATIENCE) == []
+            assert workers.ended(PATIENCE) == [("8", 8)]
+        assert signal.getsignal(signal.SIGPIPE) is signal.SIG_DFL
+        assert signal.SIGPIPE not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    finally:
+        signal.signal(signal.SIGPIPE, before)
+
+
 def test_a_scene_whose_workers_all_die_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

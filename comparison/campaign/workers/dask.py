@@ -12,6 +12,8 @@ import logging
 import os
 import queue
 import re
+import signal
+import threading
 import uuid
 from pathlib import Path
 from typing import Any
@@ -37,6 +39,7 @@ class Dask:
         self._jobs: dict[Any, Job] = {}
         self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._client: Any = None
+        self._on_broken_pipe: Any = None
         self.name, self.capacity = "Dask", 1
 
     def __enter__(self) -> "Dask":
@@ -50,11 +53,13 @@ class Dask:
             raise SceneError("--scheduler", "must be an address with a port, such as tcp://host:8786", value=self._address)
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # this class reports the errors itself
+        if threading.current_thread() is threading.main_thread():  # Python permits it nowhere else
+            self._on_broken_pipe = signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # it would end this process where a scheduler goes away
         try:
-            self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise OSError(errno.EHOSTUNREACH, f"no Dask scheduler answers there ({error})", self._address) from error
-        try:
+            try:
+                self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
+            except (OSError, ValueError) as error:
+                raise OSError(errno.EHOSTUNREACH, f"no Dask scheduler answers there ({error})", self._address) from error
             write_text(self._folder / CALL, self._token)
             self._look_at_workers()
         except BaseException:
@@ -64,9 +69,13 @@ class Dask:
 
     def __exit__(self, *error: object) -> None:
         (self._folder / CALL).unlink(missing_ok=True)
-        if self._client is not None:
-            self._client.cancel(list(self._jobs))
-            self._client.close(timeout=PATIENCE)
+        try:
+            if self._client is not None:
+                self._client.cancel(list(self._jobs))
+                self._client.close(timeout=PATIENCE)
+        finally:
+            if self._on_broken_pipe is not None:
+                signal.signal(signal.SIGPIPE, self._on_broken_pipe)
 
     def _look_at_workers(self) -> None:
         """Check that there are workers and that each sees the folder, has this code, and has one thread."""
