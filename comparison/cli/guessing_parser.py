@@ -28,10 +28,14 @@ class GuessingParser(argparse.ArgumentParser):
             kind = "commands" if isinstance(action, argparse._SubParsersAction) else "values"
             raise argparse.ArgumentError(None, f'"{value}": unknown; {nearest(str(value), choices, kind)}')
 
+    def chosen(self, options: argparse.Namespace) -> "GuessingParser":
+        """Return the parser of the verb that was chosen, or this one where none was."""
+        (verbs,) = (action for action in self._actions if isinstance(action, argparse._SubParsersAction))
+        return verbs.choices.get(getattr(options, "verb", ""), self)
+
     def unknown(self, options: argparse.Namespace, words: Sequence[str]) -> NoReturn:
         """End with the nearest option of the chosen verb for each word that it does not know."""
-        (verbs,) = (action for action in self._actions if isinstance(action, argparse._SubParsersAction))
-        chosen = verbs.choices.get(getattr(options, "verb", ""), self)
+        chosen = self.chosen(options)
         known = [word for word in chosen._option_string_actions if word.startswith("--")]
         told = (f'"{word}": unknown option; {nearest(word.split("=")[0], known, "options")}' for word in words if word.startswith("-"))
         GuessingParser.error(chosen, "; ".join(told) or f'"{" ".join(words)}": one argument too many')
@@ -49,8 +53,19 @@ def parse(whole: GuessingParser, arguments: Sequence[str] | None = None) -> argp
         whole.print_help()
         return None
     options, rest = whole.parse_known_args(words)
-    if rest:
+    if rest and not _added(options, rest, whole.chosen(options)):
         whole.unknown(options, rest)
     if not hasattr(options, "verb"):
         whole.error("a command is missing")
     return options
+
+
+def _added(options: argparse.Namespace, rest: Sequence[str], chosen: argparse.ArgumentParser) -> bool:
+    """Add scenes or folders that stand behind an option to those before it, which argparse takes alone; False where it takes only one."""
+    several = [action for action in chosen._actions if action.nargs == "+"]
+    end = rest.index("--") if "--" in rest else len(rest)
+    if not several or any(word.startswith("-") for word in rest[:end]):
+        return False
+    (action,) = several
+    getattr(options, action.dest).extend(chosen._get_value(action, word) for word in (*rest[:end], *rest[end + 1 :]))
+    return True

@@ -16,8 +16,10 @@ from rich.table import Table
 
 from comparison import progress
 from comparison.cli import tables
+from comparison.cli.arguments import parser
 from comparison.cli.commands import main
 from comparison.cli.context import PIPE_WIDTH, _results_console
+from comparison.cli.guessing_parser import parse
 from comparison.cli.layout import say, show_table
 from comparison.progress import CampaignNarration, Narration
 from comparison.report import pdf
@@ -54,6 +56,26 @@ def test_options_of_every_command_may_stand_before_it(capsys: pytest.CaptureFixt
     assert main(["-q", "--json", "solve", "two_pads", "--bounds"]) == 0
     captured = capsys.readouterr()
     assert json.loads(captured.out)["scene"] == "two_pads" and captured.err == ""
+
+
+@pytest.mark.parametrize(
+    ("line", "names"),
+    [
+        ("run a --no-yade -o out b", ["a", "b"]),
+        ("run a b --workers 2 c --long d", ["a", "b", "c", "d"]),
+        ("run --no-y a -q b", ["a", "b"]),
+        ("run a --no-yade -- -b c", ["a", "-b", "c"]),
+        ("-q cost a --no-yade b", ["a", "b"]),
+        ("report a --pdf b", [Path("a"), Path("b")]),
+    ],
+)
+def test_scenes_and_folders_may_stand_on_both_sides_of_an_option(line: str, names: list[Any]) -> None:
+    options = parse(parser(), line.split())
+    assert options is not None and vars(options).get("scenes", vars(options).get("folders")) == names
+
+
+def test_a_wrong_option_between_scenes_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert '"--noyade": unknown option' in refusal(capsys, "run", "two_pads", "--long", "two_blocks", "--noyade", "slab")
 
 
 @pytest.mark.parametrize(("columns", "width"), [("80", 80), ("10", 40), ("", PIPE_WIDTH), ("wide", PIPE_WIDTH)])
