@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,16 @@ def message_of(error: BaseException) -> str:
     if isinstance(error, KeyboardInterrupt):
         return "stopped; finished stages are kept, and the same command continues from there"
     fault = f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
-    return missing_part(error) if isinstance(error, ModuleNotFoundError) else fault
+    return missing_part(error) if isinstance(error, ModuleNotFoundError) else _about_encoding(error) or fault
+
+
+def _about_encoding(error: BaseException) -> str:
+    """What to say of a file of matplotlib's style that is not UTF-8; "" for any other error."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__) if frame.f_code.co_name == "_rc_params_in_file"]
+    if not frames or not isinstance(error, UnicodeDecodeError):
+        return ""
+    file = Path(frames[0].f_locals.get("fname", "matplotlibrc")).absolute()
+    return f"{file}: matplotlib cannot read this file of its style, because it is not in UTF-8; save it in UTF-8, rename it or delete it"
 
 
 def _is_closed(filename: Any) -> bool:

@@ -68,6 +68,14 @@ def test_a_variable_meant_for_a_library_ends_no_command(
     assert ended.returncode == AGREE and not ended.stderr, ended.stderr
 
 
+def test_a_style_of_matplotlib_that_is_not_utf8_is_named(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_bytes(b"axes.labelsize: 12  # \xe9t\xe9\n")
+    command, environment = [sys.executable, "-m", "comparison", "show", "two_pads", "-q"], {**os.environ, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == TOOL and "unexpected" not in ended.stderr
+    assert f"error: {tmp_path / 'matplotlibrc'}: matplotlib cannot read" in ended.stderr and "save it in UTF-8" in ended.stderr
+
+
 @pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])
 def test_a_missing_part_is_named_with_what_completes_the_installation(part: str, tmp_path: Path) -> None:
     command = ["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]
