@@ -10,7 +10,7 @@ from typing import Any
 
 from rich.console import Console
 
-from la_core.errors import SceneError, missing_part
+from la_core.errors import OF_LOCALE, SceneError, is_of_locale, missing_part, visible
 from la_core.exchange import ExchangeError
 
 
@@ -80,7 +80,9 @@ def message_of(error: BaseException) -> str:
 
 
 def _about_encoding(error: BaseException) -> str:
-    """What to say of a file of matplotlib's style that is not UTF-8; "" for any other error."""
+    """What to say of a name that this locale lacks letters for, or of a file of matplotlib's style in another encoding; else ""."""
+    if isinstance(error, UnicodeEncodeError) and is_of_locale(str(error.object)):
+        return f"{visible(str(error.object))}: this name cannot be used: {OF_LOCALE}"
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__) if frame.f_code.co_name == "_rc_params_in_file"]
     if not frames or not isinstance(error, UnicodeDecodeError):
         return ""

@@ -15,6 +15,7 @@ CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )  # characters that control a terminal, except tab and new line
 MOST_LISTED, FEW_LISTED = 40, 10  # valid names that a hint lists in full; of more, how many it lists
+OF_LOCALE = "this shell's locale is not in UTF-8: set one that is, such as `export LC_ALL=C.UTF-8`"
 
 
 class SceneError(Exception):
@@ -136,6 +137,19 @@ def _is_pipx() -> bool:
 def visible(text: str) -> str:
     """The text with an escape in place of every control character, and of every lone surrogate."""
     return CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def printable_name(name: str) -> str:
+    """The name of a file; raises SceneError where it cannot be printed: bytes that are no text in this locale are surrogates in it."""
+    if not name.isprintable():
+        hint = OF_LOCALE if is_of_locale(name) else "rename the file"
+        raise SceneError(f'the name "{visible(name)}"', "must be printable text: results are named by it", hint=hint)
+    return name
+
+
+def is_of_locale(text: str) -> bool:
+    """Whether the characters of a name or word are lost in this locale, because it is not one in UTF-8."""
+    return not text.isascii() and sys.getfilesystemencoding() != "utf-8"
 
 
 def shortened(text: str, limit: int = 80) -> str:

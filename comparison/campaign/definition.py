@@ -10,7 +10,7 @@ from typing import Annotated, Any, Self
 import pydantic
 from pydantic import Field, Strict, model_validator
 
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, nearest, printable_name
 from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths, tables_of
 
 MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
@@ -107,6 +107,7 @@ def _refuse_a_scene(path: Path, data: dict[str, Any]) -> None:
 def load_campaign(path: Path) -> Definition:
     """Read and validate a campaign file; raises SceneError for an invalid one."""
     try:
+        printable_name(path.stem)
         text = _read(path)
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error

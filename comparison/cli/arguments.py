@@ -9,7 +9,7 @@ from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
 from comparison.run_folder import FIGURE_FORMATS, HEAD, MOST_FRAMES, MOVING_FORMATS, require_folder_of
 from comparison.settings import HARDER_SECONDS, MOST_WORKERS
-from la_core.errors import visible
+from la_core.errors import OF_LOCALE, is_of_locale, visible
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
@@ -256,7 +256,8 @@ scene_file = ending_in((".toml",), "a scene file")
 def words(text: str) -> str:
     """Parse a text for a report: as in a scene file, without control characters and in UTF-8."""
     if visible(text) != text:
-        raise argparse.ArgumentTypeError(f"{visible(text)}: must be text without control characters, in UTF-8")
+        rule = OF_LOCALE if is_of_locale(text) else "must be text without control characters, in UTF-8"
+        raise argparse.ArgumentTypeError(f"{visible(text)}: {rule}")
     return text
 
 

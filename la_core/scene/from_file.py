@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
-from la_core.errors import SceneError, extra_hint
+from la_core.errors import SceneError, extra_hint, printable_name
 from la_core.scene.generators.drawings import nothing_found
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
@@ -84,7 +84,7 @@ def scene_from_file(source: Path, folder: Path) -> str:
         raise SceneError(
             str(source), f"does not lie in {folder} or below it", hint="a scene stands beside its files or above them"
         ) from error
-    place = PurePosixPath(relative.as_posix())
+    place = PurePosixPath(printable_name(relative.as_posix()))
     suffix = source.suffix.lower()
     if suffix in (*SOURCE_FORMATS, "") and not source.exists():
         raise SceneError(str(source), "cannot be read: there is no such file or folder")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pydantic
 
-from la_core.errors import SceneError, visible
+from la_core.errors import SceneError, printable_name
 from la_core.geometry import ROLES, Blocks, Held, shapes
 from la_core.pictures import picture
 from la_core.repair import Repairs
@@ -239,8 +239,7 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False, 
 
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
-    if not name.isprintable():
-        raise SceneError(f'the name "{visible(name)}"', "must be printable text: it names a folder", hint="rename the file")
+    printable_name(name)
     tables = Tables(file, path.parent)
     if len(tables.named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")

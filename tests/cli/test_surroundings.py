@@ -3,6 +3,7 @@
 import errno
 import os
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ from comparison.cli.exit_codes import AGREE
 from comparison.errors import message_of
 from comparison.run_folder import folder_of_results
 from la_core.errors import SceneError, missing_part
+from la_core.scene.shipped import find
 
 USAGE = 2
 
@@ -74,6 +76,39 @@ def test_a_style_of_matplotlib_that_is_not_utf8_is_named(tmp_path: Path) -> None
     ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert ended.returncode == TOOL and "unexpected" not in ended.stderr
     assert f"error: {tmp_path / 'matplotlibrc'}: matplotlib cannot read" in ended.stderr and "save it in UTF-8" in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ("solve büro.toml", USAGE),
+        ("campaign büro.toml --no-yade", USAGE),
+        ("campaign of_it.toml --no-yade", TOOL),
+        ("new --from büro.obj", USAGE),
+        ("run two_pads --no-yade --title Büro", USAGE),
+        ("show of_mesh.toml", USAGE),
+    ],
+)
+def test_a_name_that_the_locale_has_no_letters_for_asks_for_another_locale(words: str, code: int, tmp_path: Path) -> None:
+    sweep = 'yade = false\n[[sweep]]\nscene = "büro.toml"\nvary = { "joint.friction" = [0.3] }\n'
+    shutil.copy(find("two_pads"), tmp_path / "büro.toml")
+    shutil.copy(find("rubble_wall").with_suffix(".obj"), tmp_path / "büro.obj")
+    (tmp_path / "of_it.toml").write_text(sweep, encoding="utf-8")
+    mesh = find("rubble_wall").read_text(encoding="utf-8").replace("rubble_wall.obj", "büro.obj")
+    (tmp_path / "of_mesh.toml").write_text(mesh, encoding="utf-8")
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "LC_ALL": "C", "PYTHONUTF8": "0"}
+    command = [sys.executable, "-m", "comparison", *words.split(), "-q"]
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == code
+    one_message(ended.stderr, "LC_ALL=C.UTF-8")
+
+
+def test_a_campaign_or_drawing_whose_name_is_no_text_is_to_be_renamed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for words, ending in ((["campaign"], "toml"), (["new", "--from"], "obj")):
+        path = tmp_path / os.fsdecode(b"b\xe9." + ending.encode())
+        path.write_text('[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.3] }\n', encoding="utf-8")
+        assert main([*words, str(path), "-q"]) == USAGE
+        one_message(capsys.readouterr().err, "must be printable text", "rename the file")
 
 
 @pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])

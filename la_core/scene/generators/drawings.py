@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, by_layer, cleaned, open_words, read_outlines, remarks
-from la_core.errors import SceneError, extra_hint, nearest
+from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
@@ -97,7 +97,8 @@ def read_drawing(table: Drawing, folder: Path) -> MeshFile:
             content = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:  # Python raises ValueError for an impossible file name
         reason = getattr(error, "strerror", None) or error
-        raise SceneError(_at(table), f"cannot be read: {reason}", hint="the path is relative to the scene file") from error
+        hint = OF_LOCALE if isinstance(error, UnicodeEncodeError) else "the path is relative to the scene file"
+        raise SceneError(_at(table), f"cannot be read: {reason}", hint=hint) from error
     if len(content) > LARGEST_FILE:
         raise SceneError(_at(table), f"larger than {LARGEST_FILE} bytes", hint="save only the layers of the elevation")
     return MeshFile(PurePosixPath(table.file), content, of_folder=False)

@@ -9,7 +9,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import scipy
 
-from la_core.errors import SceneError, extra_hint, nearest, shortened
+from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest, shortened
 from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, shape_of
 from la_core.scene.generators.wall import NamedShape
@@ -64,7 +64,8 @@ def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
             left -= len(files[-1].content)
     except (OSError, ValueError) as error:  # Python raises ValueError for an impossible file name
         reason = getattr(error, "strerror", None) or error
-        raise SceneError(_where(mesh), f"cannot be read: {reason}", hint="the path is relative to the scene file") from error
+        hint = OF_LOCALE if isinstance(error, UnicodeEncodeError) else "the path is relative to the scene file"
+        raise SceneError(_where(mesh), f"cannot be read: {reason}", hint=hint) from error
     return files
 
 
