@@ -232,6 +232,9 @@ def test_a_campaign_killed_before_its_first_table_is_told_how_to_go_on(tmp_path:
     (tmp_path / "campaign.toml").touch()
     assert main(["report", str(tmp_path)]) == 2
     assert "holds a campaign that was ended before its first table" in capsys.readouterr().err
+    with alone_in(tmp_path):
+        assert main(["report", str(tmp_path)]) == 3
+    assert "a campaign is running there and has no table yet; wait" in capsys.readouterr().err
 
 
 def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(

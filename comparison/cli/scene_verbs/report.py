@@ -10,7 +10,7 @@ from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import ASK_OWNER, FolderInUseError
 from comparison.progress import Narration
-from comparison.run_folder import DEFINITION
+from comparison.run_folder import DEFINITION, alone_in, is_writable
 from comparison.workflow import report_again
 from comparison.yade import among_results
 from la_core.errors import SceneError
@@ -41,6 +41,7 @@ def execute(context: Context) -> int:
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases and folder not in left_out:
                 if (folder / DEFINITION).is_file():
+                    _refuse_a_running_campaign(folder)
                     ended = "holds a campaign that was ended before its first table"
                     raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
                 hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
@@ -54,6 +55,17 @@ def execute(context: Context) -> int:
                     left_out.setdefault(folder, []).append(case.name)
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
+
+
+def _refuse_a_running_campaign(folder: Path) -> None:
+    if not is_writable(folder):
+        return
+    try:
+        with alone_in(folder):
+            pass
+    except FolderInUseError as error:
+        left = "wait until some of its cases have ended, then run the same command again"
+        raise FolderInUseError(f"{folder}: a campaign is running there and has no table yet; {left}") from error
 
 
 def _closed_folders(folder: Path) -> list[Path]:
