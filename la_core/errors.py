@@ -152,6 +152,11 @@ def is_of_locale(text: str) -> bool:
     return not text.isascii() and sys.getfilesystemencoding() != "utf-8"
 
 
+def words_of(error: Exception) -> str:
+    """What an error says of a text that was read, without Python's advice to programmers on numbers of thousands of digits."""
+    return "a number has too many digits" if "set_int_max_str_digits" in str(error) else shortened(str(error), 300)
+
+
 def shortened(text: str, limit: int = 80) -> str:
     """At most `limit` characters of a text; dots stand for the rest."""
     return text if len(text) <= limit else text[: limit - 3] + "..."

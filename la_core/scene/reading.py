@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from la_core.drawing import DRAWING_FORMATS
-from la_core.errors import SceneError, shortened
+from la_core.errors import SceneError, words_of
 from la_core.scene.schema.types import LARGEST_FILE
 
 _MESHES = (".obj", ".ply", ".stl")
@@ -106,7 +106,7 @@ def tables_of(text: str, path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # Python raises ValueError for a number of too many digits
-        fault = "a number has too many digits" if "set_int_max_str_digits" in str(error) else shortened(str(error), 300)
+        fault = words_of(error)
         raise SceneError(str(path), f"not valid TOML: {fault}", hint=_slip(text, str(error))) from error
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from la_core.errors import words_of
 from la_core.scene.generators.mesh_surface import Surface, surface
 
 _AS_OBJ = "write its blocks as OBJ, each as an object of its own"
@@ -49,7 +50,7 @@ def _obj_surfaces(text: str, stem: str) -> list[Surface]:
                 name = rest.strip() or stem
                 bodies.setdefault(name, [])
         except ValueError as error:
-            raise ValueError(f"line {number}, `{key} {rest.strip()[:60]}`, cannot be read: {error}") from error
+            raise ValueError(f"line {number}, `{key} {rest.strip()[:60]}`, cannot be read: {words_of(error)}") from error
     if bodies.get(DEFAULT_GROUP) == []:
         del bodies[DEFAULT_GROUP]
     points = np.array(vertices).reshape(-1, 3)
@@ -75,6 +76,8 @@ def _triangle_surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
     try:
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
         bodies = {str(name): (np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)) for name, mesh in loaded.geometry.items()}
+    except ImportError as error:  # trimesh takes bytes that are no STL for text in an unknown encoding, and has no package for that
+        raise ValueError(f"not a whole {suffix[1:].upper()} file: it is cut off, or damaged") from error
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"not a whole {suffix[1:].upper()} file: {error or type(error).__name__}") from error
     if any(faces.size and not 0 <= faces.min() <= faces.max() < len(vertices) for vertices, faces in bodies.values()):
@@ -95,7 +98,7 @@ def _compas_surfaces(content: bytes) -> list[Surface]:
     except _NotReadError as error:
         raise ValueError(f"{error}, which is not read; {_AS_OBJ}") from error
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RecursionError) as error:
-        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {error}); {_AS_OBJ}") from error
+        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {words_of(error)}); {_AS_OBJ}") from error
     shared = Counter(name for _, name, *_ in named)
     return [
         surface(name if name and shared[name] == 1 else f"block {key}", vertices, faces, held) for key, name, vertices, faces, held in named
