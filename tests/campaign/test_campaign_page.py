@@ -68,6 +68,12 @@ def test_every_address_of_the_page_leads_somewhere_and_nothing_is_fetched(shape:
     assert all((tmp_path / part.split(")")[0]).is_file() for part in markdown.split("](figures/")[1:] for part in [f"figures/{part}"])
 
 
+def test_a_screen_reader_is_told_what_each_heading_heads_and_each_cell_means(tmp_path: Path) -> None:
+    text = write_campaign_report(campaign(tmp_path, "two axes")).read_text(encoding="utf-8")
+    headings, cells = re.findall(r"<th\b[^>]*>", text), re.findall(r'<(?:a|span) class="cell [^>]*>', text)
+    assert all("scope=" in heading for heading in headings) and cells and all("aria-label=" in cell for cell in cells)
+
+
 def test_a_folder_outside_the_campaign_is_not_linked(tmp_path: Path) -> None:
     (tmp_path / "report.html").write_text("elsewhere")
     for folder in ("../", "..", "/", str(tmp_path), "javascript:alert(1)", "no/such"):

@@ -112,6 +112,23 @@ def test_a_long_word_does_not_widen_the_page(browser: Browser, report: Path) -> 
         browser.send("Emulation.clearDeviceMetricsOverride")
 
 
+def test_blocks_of_the_view_are_chosen_by_keys_alone(browser: Browser, report: Path) -> None:
+    """Of one method after another, in a circle; a screen reader is told what is chosen."""
+    browser.open(report)
+    browser.value("document.querySelector('details.viewer').open = true")
+    browser.wait("document.querySelector('.stage > canvas')")
+    assert browser.value("document.querySelector('.stage > canvas').getAttribute('role')") == "application"
+    browser.value("document.querySelector('.stage > canvas').focus()")
+    said = []
+    for key in "nnnnnnnp":
+        browser.press(key)
+        said.append(browser.value("document.querySelector('.picked').textContent"))
+    chosen = [one.split(";")[0].split(",")[0] for one in said]
+    assert all(': block "' in one for one in chosen)
+    assert len(set(chosen[:6])) == 6 and chosen[6] == chosen[0] and chosen[7] == chosen[5]  # three blocks by two methods
+    assert browser.errors == []
+
+
 def test_the_measure_of_contrast_sees_a_pale_text(browser: Browser, report: Path) -> None:
     browser.open(report)
     browser.value("document.querySelector('h1').style.color = '#bbbbbb'")

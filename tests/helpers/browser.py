@@ -24,7 +24,7 @@ FLAGS = (
     "--disable-smooth-scrolling", "--hide-scrollbars", "--window-size=1200,900",
 )  # fmt: skip
 PATIENCE = 600.0  # s, a last resort for any answer
-KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "0": 48, "+": 187}
+KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "0": 48, "n": 78, "p": 80, "+": 187}
 
 
 def find_browser() -> str | None:

@@ -15,7 +15,8 @@ class View {
     const three = library(), data = JSON.parse(details.querySelector(".viewer-data").textContent);
     Object.assign(this, { three, data, details, stage: details.querySelector(".stage") });
     this.canvas = make("canvas", { tabIndex: 0 });
-    const keys = "Arrows turn, shift and arrows move, plus and minus zoom, f fits everything, 0 resets.";
+    const keys = "Arrows turn, shift and arrows move, plus and minus zoom, f fits everything, 0 resets, n and p choose the next and the previous block.";
+    this.canvas.setAttribute("role", "application"); // the keys are the picture's, not those of a screen reader
     this.canvas.setAttribute("aria-label", `${data.title}: blocks in 3D. ${keys}`);
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true });
     this.renderer.setClearColor("#ffffff");
@@ -131,6 +132,8 @@ class View {
     else if (event.key === "-") this.controls.dollyOut(0.9);
     else if (event.key === "0") this.controls.reset();
     else if (event.key === "f") this.fitFrame();
+    else if (event.key === "n") this.walk(1);
+    else if (event.key === "p") this.walk(-1);
     else return;
     event.preventDefault();
   }
@@ -186,8 +189,20 @@ class View {
     const at = [(x - left - width / 2) * perPixel + camera.position.dot(right), (y - bottom - height / 2) * perPixel + camera.position.dot(up)];
     const joint = this.points.checked ? this.nearestJoint(method, at, right, up, NEAR * perPixel) : null;
     const block = joint === null ? this.blockAt(method, at, right, up, back) : null;
-    this.chosen = joint === null && block === null ? null : { place, joint, block };
-    this.methods.forEach((one, k) => one.outline(k === place ? block : null));
+    this.choose(joint === null && block === null ? null : { place, joint, block });
+  }
+
+  // The next block or the one before it, of one method after another.
+  walk(step) {
+    const count = this.data.names.length, all = count * this.methods.length, { place, block } = this.chosen ?? {};
+    const from = Number.isInteger(block) ? place * count + block : step > 0 ? -1 : 0;
+    const next = (from + step + all) % all;
+    this.choose({ place: Math.floor(next / count), joint: null, block: next % count });
+  }
+
+  choose(chosen) {
+    this.chosen = chosen;
+    this.methods.forEach((one, k) => one.outline(k === chosen?.place ? chosen.block : null));
     this.tell();
     this.ask();
   }
