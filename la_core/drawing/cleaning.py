@@ -13,6 +13,8 @@ from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
+MOST_PAIRS = 1_000_000  # of outlines that lie upon each other: 50,000 blocks side by side touch each other in a quarter of it
+AT_A_TIME = 200  # outlines whose pairs are counted, so that they need little memory
 MOST_CUT = 1.1  # of the tolerance times the length of a hull: the area of dents within the tolerance, with a margin
 ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
 FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: outlines of its layer and colour fill it so far, or those of all layers
@@ -76,7 +78,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     Raises
     ------
     ValueError
-        An outline crosses itself.
+        An outline crosses itself, or outlines lie upon each other in more than MOST_PAIRS pairs, or lines cross too often.
     """
     found = _found(drawn, max(SNAP, tolerance))
     outlines, idle = found.outlines, tuple((place[0], line) for place, lines in found.idle.items() for line in lines)
@@ -90,6 +92,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     crossed = ~shapely.is_valid(polygons)
     if crossed.any():
         raise ValueError(f"{_place(outlines[int(np.argmax(crossed))])}: the outline crosses itself")
+    _refuse_a_heap(polygons)
     area = shapely.area(polygons)
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
@@ -202,6 +205,18 @@ def _without_dents(polygons: np.ndarray, tolerance: float) -> tuple[np.ndarray, 
     dent = shapely.hausdorff_distance(shapely.boundary(hull[straight]), shapely.boundary(polygons[straight]), densify=0.25)
     straight[straight] = (dent > 0.0) & (dent <= tolerance)
     return np.where(straight, hull, polygons), straight
+
+
+def _refuse_a_heap(polygons: np.ndarray) -> None:
+    """Raise ValueError for outlines of which far too many lie upon each other, before that costs minutes."""
+    tree, pairs = shapely.STRtree(polygons), 0.0
+    for start in range(0, len(polygons), AT_A_TIME):
+        pairs += tree.query(polygons[start : start + AT_A_TIME]).shape[1] / 2.0  # it finds each pair from both its sides
+        if pairs > MOST_PAIRS:
+            raise ValueError(
+                f"its {len(polygons)} outlines lie upon each other, in more than {MOST_PAIRS:,} pairs; "
+                "draw blocks beside each other, and list layers of other things in `ignore`"
+            )
 
 
 def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:

@@ -12,6 +12,8 @@ TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
 FREE = 0.05  # of an outline's area or length, that others may cover where it is drawn by lines of its own
 SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
+MOST_CROSSINGS = 200_000  # of lines: they enclose about as many outlines, and a scene has at most 50,000 blocks
+SAMPLED, COMMON = 300, 0.9  # lines of which crossings are counted, and the share of them that counts: a few may cross all others
 LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
 
 
@@ -23,8 +25,9 @@ def enclosed(
     Ends of lines closer to each other than `snap` (m) meet. An end that meets no other reaches on by twice as much,
     so that a line that stops just short of another one meets it. Where a line ends on a curve, whose chords are off by up to
     `sagitta` (m), the chords go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
-    that runs along one that stays whole does not bound it.
+    that runs along one that stays whole does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
     """
+    _refuse_a_tangle(lines)
     every = [*lines, *(np.concatenate([outline, outline[:1]]) for outline in outlines)]
     ends = _merged(np.concatenate([[line[0], line[-1]] for line in every]), snap)
     _, number, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
@@ -38,6 +41,20 @@ def enclosed(
     inner = faces[~is_around]
     idle = _share(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
     return _corners(inner), idle, _corners(faces[is_around])
+
+
+def _refuse_a_tangle(lines: Sequence[np.ndarray]) -> None:
+    """Raise ValueError for lines that cross each other far too often for joints, before that costs minutes."""
+    strings = _strings(lines)
+    some = strings[:: -(-len(strings) // SAMPLED)]
+    crossed, _ = shapely.STRtree(strings).query(some, predicate="crosses")
+    counts = np.sort(np.bincount(crossed, minlength=len(some)))[: int(np.ceil(COMMON * len(some)))]
+    crossings = float(counts.mean()) * len(strings) / 2.0
+    if crossings > MOST_CROSSINGS:
+        raise ValueError(
+            f"its {len(strings)} lines cross each other some {round(crossings, -5):,.0f} times; at most {MOST_CROSSINGS:,} are followed: "
+            "list layers of hatches and other things that are no joints in `ignore`"
+        )
 
 
 def _is_whole(faces: np.ndarray, outlines: Sequence[np.ndarray]) -> np.ndarray:

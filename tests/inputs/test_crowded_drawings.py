@@ -1,0 +1,43 @@
+"""Lines that cross everywhere and outlines in a heap are refused before they cost minutes; hatches and contours are no such thing."""
+
+import numpy as np
+import pytest
+
+from la_core.drawing import Drawn, Outline, cleaned, cleaning, enclosing
+
+PLACE = ("WALL", "7")
+
+
+def grid(count: int) -> list[np.ndarray]:
+    """As many lines across as upright, each of which crosses all of the other kind."""
+    at = np.arange(1.0, count + 1.0)
+    across = [np.array([[0.0, z], [count + 1.0, z]]) for z in at]
+    return [*across, *(line[:, ::-1] for line in across)]
+
+
+def boxes(count: int, apart: float) -> list[Outline]:
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    return [Outline(corners + k * apart * np.array([1.0, 0.01]), *PLACE) for k in range(count)]
+
+
+def test_lines_that_cross_far_too_often_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(enclosing, "MOST_CROSSINGS", 2_000)
+    with pytest.raises(ValueError, match=r"its 100 lines cross each other some .* times; at most 2,000 are followed: .*`ignore`"):
+        cleaned(Drawn(1.0, lines={PLACE: grid(50)}), 0.0)
+    assert len(cleaned(Drawn(1.0, lines={PLACE: grid(40)}), 0.0).outlines) == 39**2
+
+
+def test_a_few_lines_across_all_others_are_no_tangle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(enclosing, "MOST_CROSSINGS", 50)
+    axes = [np.array([[0.0, 0.0], [101.0, x]]) for x in (0.3, 0.6)]
+    upright = [np.array([[x, -1.0], [x, 1.0]]) for x in np.arange(1.0, 101.0)]
+    enclosing._refuse_a_tangle([*upright[:24], *axes])
+    with pytest.raises(ValueError, match="its 102 lines cross each other"):
+        enclosing._refuse_a_tangle([*upright, *axes])
+
+
+def test_outlines_in_a_heap_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cleaning, "MOST_PAIRS", 2_000)
+    with pytest.raises(ValueError, match=r"its 300 outlines lie upon each other, in more than 2,000 pairs; .*`ignore`"):
+        cleaned(Drawn(1.0, outlines=boxes(300, 0.1)), 0.0)
+    assert len(cleaned(Drawn(1.0, outlines=boxes(300, 1.5)), 0.0).outlines) == 300
