@@ -101,6 +101,18 @@ def test_every_text_has_contrast_and_nothing_runs_over_the_edge(page: str, brows
         browser.send("Emulation.setEmulatedMedia", features=[])
 
 
+def test_a_long_verdict_fits_the_narrowest_window(browser: Browser, tmp_path: Path) -> None:
+    """320 pixels are also a screen's width at a zoom of 400 %."""
+    assert main(["run", "two_pads", "--no-yade", "-o", str(tmp_path), "-q"]) == 0
+    browser.send("Emulation.setDeviceMetricsOverride", width=320, height=900, deviceScaleFactor=1, mobile=False)
+    try:
+        browser.open(tmp_path / "report.html")
+        assert "expected value met (YADE not run)" in browser.value("document.body.textContent")
+        assert browser.value("document.documentElement.scrollWidth") <= 320 and browser.value(WIDE) == []
+    finally:
+        browser.send("Emulation.clearDeviceMetricsOverride")
+
+
 def test_a_long_word_does_not_widen_the_page(browser: Browser, report: Path) -> None:
     browser.send("Emulation.setDeviceMetricsOverride", width=WIDTHS[-1], height=900, deviceScaleFactor=1, mobile=False)
     try:
