@@ -36,7 +36,7 @@ class Row:
     time : float
         Simulated time, s.
     settlement : float
-        Settlement of the supports, m or rad; under a live load the mean displacement along it since rest, m.
+        Settlement of the supports, m or rad; under a live load the mean displacement along it since rest of what it pushes, m.
     reaction : float
         Reaction, N or N m; under a live load its multiplier.
     support_wrench : np.ndarray
@@ -110,6 +110,7 @@ class Record:
         self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
         self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
+        self._pushed_aside = np.flatnonzero(case.live_load[:, 3:].any(axis=1)).tolist()  # masses beside the centroid of their block
         if case.live is None:
             twist = case.support_twists[case.leader]
             self._leads = bodies[self.model.clump[case.leader]].state
@@ -184,7 +185,7 @@ class Record:
     def settlement(self) -> float:
         """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the one that leads.
 
-        Under a live load: the mean displacement along it since `start_load`, weighted by the load on each block, m.
+        Under a live load: the mean displacement along it, since `start_load`, of the weights that it pushes, m: its work over their sum.
         """
         if self._cut is not None:
             return self._cut
@@ -219,8 +220,9 @@ class Record:
         return along
 
     def _mean_place(self) -> float:
-        pushed = pushed_of(self.case)
-        return float(pushed @ self.along("pos") / pushed.sum())
+        case, pushed = self.case, pushed_of(self.case)
+        turning = sum(float(case.live_load[block, 3:] @ self.rotation(block)) for block in self._pushed_aside)
+        return (float(pushed @ self.along("pos")) + turning) / float(pushed.sum())
 
     def rotation(self, block: int) -> np.ndarray:
         """Return the rotation vector (3,), rad, of a block relative to the case's geometry."""

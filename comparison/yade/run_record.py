@@ -38,7 +38,7 @@ class Run:
     -----
     The reaction is the force of the support on the structure, against the direction of settlement; it is positive where
     the support holds the structure. For a rotation it is a moment. Under a live load its multiplier stands for the reaction, and the
-    mean displacement along the load, weighted by the load on each block, for the settlement.
+    mean displacement along it of the weights that it pushes for the settlement.
     """
 
     result: RunResult

@@ -46,12 +46,12 @@ class Results:
     def per_motion(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of limit analysis per unit of the motion that YADE records: of the support, or along the live load, m.
 
-        The motion along a live load is the mean of the centroids', weighted by the load on each block; NaN where it is not above 0.
+        The motion along a live load is the mean of what it pushes: its power over its sum; NaN where it is not above 0.
         """
         if self.scene.live is None:
             return twists
-        load = self.analysis.assembly.live_load[:, :3]
-        return _over(twists, float(np.sum(load * twists[:, :3]) / np.linalg.norm(load, axis=1).sum()))
+        load = self.analysis.assembly.live_load
+        return _over(twists, float(np.sum(load * twists) / np.linalg.norm(load[:, :3], axis=1).sum()))
 
     def per_drive(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.

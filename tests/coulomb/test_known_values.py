@@ -22,9 +22,7 @@ from coulomb_problems import (
 )
 
 import la_core
-from la_core.coulomb import (
-    predict,
-)
+from la_core.coulomb import follow_path, predict
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -115,6 +113,21 @@ def test_torsion_of_a_square_joint_on_its_four_corners(mu, side) -> None:
     solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE))
     assert solution.status is Status.SOLVED
     assert solution.value == pytest.approx(mu * assembly.weight * side / math.sqrt(2.0), rel=1e-5)
+
+
+@in_plane_and_3d
+def test_the_curve_of_a_push_is_over_the_mean_displacement_of_what_it_pushes(plane) -> None:
+    """A block on springs at its edges carries its own mass on its top: it shears, and rocks by the moment of both over the springs."""
+    breadth, height = 0.5, 0.7
+    ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
+    block = scenes.box("block", (0.0, 0.0, 0.0), (breadth, 0.3, height))
+    floor = scenes.table("[load]", blocks=["block"], mass=2000.0 * breadth * 0.3 * height, at=(breadth / 2.0, 0.15, height))
+    scene = scenes.build(ground, block, floor, friction=0.9, live=(1.0, 0.0, 0.0), plane=plane)
+    assembly, stiffness = problem(scene)
+    path = follow_path(assembly, stiffness, 4e-6, 1)
+    points, lever = len(assembly.points.friction), 0.75 * height  # the mean height of the pushed masses
+    turning, sliding = lever**2 / (points * stiffness.normal * (breadth / 2.0) ** 2), 1.0 / (points * stiffness.shear)
+    assert path.value[-1] * assembly.weight * (turning + sliding) == pytest.approx(4e-6, rel=1e-2)
 
 
 @in_plane_and_3d

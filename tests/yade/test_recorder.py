@@ -145,9 +145,9 @@ def test_motions_are_those_relative_to_the_blocks_as_built(scene: Scene) -> None
 
 
 def test_a_live_load_moves_the_blocks_by_the_mean_that_its_shares_weigh(scene: Scene) -> None:
-    """A dead load of 9.81 N per unit multiplier makes block 0 count as 1 kg more."""
+    """A dead load of 9.81 N per unit multiplier makes block 0 count as 1 kg more, which lies 0.5 m above its centroid."""
     live, extra = np.array([1.0, 0.0, 0.0]), np.zeros((4, 6))
-    extra[0, :3] = 9.81 * live
+    extra[0, :3], extra[0, 4] = 9.81 * live, 9.81 * 0.5
     record = record_of(live=live, live_load=extra)
     scene.state(0).pos = CENTROID[0] + [0.5, 0.0, 0.0]
     assert record.settlement() == 0.0  # it counts from rest
@@ -155,6 +155,8 @@ def test_a_live_load_moves_the_blocks_by_the_mean_that_its_shares_weigh(scene: S
     for block, way in enumerate((0.1, 0.3)):
         scene.state(block).pos = np.add(scene.state(block).pos, [way, 0.0, 7.0])
     assert record.settlement() == pytest.approx((6.0 * 0.1 + 7.0 * 0.3) / 13.0)
+    scene.state(0).ori = Turn(Rotation.from_rotvec([0.0, 0.02, 0.0]) * BUILT[0])
+    assert record.settlement() == pytest.approx((6.0 * 0.1 + 7.0 * 0.3 + 1.0 * 0.5 * 0.02) / 13.0)
     record.model.integrator.gravity = GRAVITY + 0.25 * 9.81 * live
     assert record.read_row(exchange.SETTLEMENT).reaction == pytest.approx(0.25)
     assert_allclose(record.along("pos"), [0.6, 2.3])

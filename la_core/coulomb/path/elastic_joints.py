@@ -64,7 +64,8 @@ class ElasticJoints:
     weights, live_load : (n,) array
         Dead load, and the live load over `live_size`.
     live_size : float
-        Sum over the blocks of the live load per unit multiplier, its moments over the mean block size; 1 for a settlement.
+        Sum over the blocks of the live load's force per unit multiplier, so that its power over this is the mean speed of what it
+        pushes; of a load of pure moments their sum, over the mean block size. 1 for a settlement.
     mass : (n,) array
         Share of the mass that moves with each freedom; it weights the drag.
     normal, shear : float
@@ -94,12 +95,18 @@ class ElasticJoints:
         self.transposed = self.kinematics.T.tocsr()
         self.weights = scaled_load(assembly, assembly.dead_load)
         live_load = scaled_load(assembly, assembly.live_load)
-        self.live_size = float(np.linalg.norm(live_load.reshape(-1, self.freedoms), axis=1).sum()) if self.live else 1.0
+        self.live_size = self._size_of(live_load) if self.live else 1.0
         self.live_load = live_load / self.live_size
         self._round_off = ROUND_OFF * self.freedoms / len(live_load)
         mass = assembly.blocks.mass[assembly.blocks.free]
         self.mass = np.repeat(mass / mass.sum(), self.freedoms)
         self.normal, self.shear = (value * self.unit / assembly.weight for value in (stiffness.normal, stiffness.shear))
+
+    def _size_of(self, live_load: np.ndarray) -> float:
+        """Return the size of a live load (n,): see `live_size`."""
+        by_block = live_load.reshape(-1, self.freedoms)
+        forces, moments = (float(np.linalg.norm(part, axis=1).sum()) for part in (by_block[:, : self.width], by_block[:, self.width :]))
+        return forces or moments
 
     def under(self, share: float) -> "ElasticJoints":
         """Return the same structure under a share of its weights."""
