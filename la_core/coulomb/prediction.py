@@ -96,12 +96,12 @@ def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> Coul
     return replace(solution, uncertainty=uncertainty, released_uncertainty=after_release)
 
 
-def _is_held_back(solution: CoulombSolution) -> bool:
-    """Whether the load of a live load's plateau is a negative one, which holds blocks back that fall without it.
+def _is_held_back(solution: CoulombSolution, unit: float) -> bool:
+    """Whether the load of a live load's plateau, or of one on the way, is a negative one, which holds blocks back that fall without it.
 
-    The structure rests without the load, so no load that grows from nothing comes there: the blocks fall before.
+    The structure rests without the load, so no load that grows from nothing comes there: the blocks fall before. unit: of a scaled value.
     """
-    return solution.value < -solution.uncertainty
+    return solution.value < -solution.uncertainty or solution.plateaus.min(initial=0.0) < -plateau.LEAST * unit
 
 
 def _is_locked_in(solution: CoulombSolution) -> bool:
@@ -153,7 +153,7 @@ def _followed_from_rest(
 def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:
     """Whether blocks fall on one path of a solution, or are held by a load that they do not carry from rest."""
     size = max(abs(joints.value_in_units(1.0)), abs(solution.value))
-    return solution.uncertainty > UNKNOWN * size or (joints.live and _is_held_back(solution))
+    return solution.uncertainty > UNKNOWN * size or (joints.live and _is_held_back(solution, joints.value_in_units(1.0)))
 
 
 def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> CoulombSolution:

@@ -71,15 +71,35 @@ def test_the_push_on_blocks_over_a_pinched_stone_has_its_multiplier() -> None:
     assert solution.value <= bound.value + FOUND and solution.value == pytest.approx(bound.value, rel=PLATEAU)
 
 
-@pytest.mark.parametrize(("value", "uncertainty", "is_held_back"), [(-0.2, 1e-3, True), (-1e-4, 1e-3, False), (0.2, 1e-3, False)])
-def test_a_load_against_the_push_holds_back_what_falls(value: float, uncertainty: float, is_held_back: bool) -> None:
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "plateaus", "is_held_back"),
+    [
+        (-0.2, 1e-3, (), True),
+        (-1e-4, 1e-3, (), False),
+        (0.2, 1e-3, (), False),
+        (0.2, 30.0, (0.2, -30.0), True),
+        (0.2, 0.1, (0.2, 0.1, -1e-5), False),
+    ],
+)
+def test_a_load_against_the_push_holds_back_what_falls(
+    value: float, uncertainty: float, plateaus: tuple[float, ...], is_held_back: bool
+) -> None:
     assembly, _ = problem(pinched_stone(math.radians(50.0)))
-    solution = replace(without_answer(assembly, Status.SOLVED), value=value, uncertainty=uncertainty)
-    assert prediction._is_held_back(solution) is is_held_back
+    solution = replace(without_answer(assembly, Status.SOLVED), value=value, uncertainty=uncertainty, plateaus=np.array(plateaus))
+    assert bool(prediction._is_held_back(solution, 1.0)) is is_held_back
+
+
+def test_a_block_that_a_dead_load_carries_off_once_it_fails_has_no_multiplier() -> None:
+    """Pushed along y until friction gives way, it moves along x: the path bore 0.338, above its bound 0.300, or held it back with -83."""
+    ground, block = scenes.box("ground", (-1.0, 0.0, -0.3), (5.0, 1.0, 0.0), "fixed"), scenes.box("dam", (0.0, 0.0, 0.0), (1.286, 1.0, 3.0))
+    water = scenes.table("[load]", blocks=["dam"], at=(0.0, 0.5, 1.0), force=(44145.0, 0.0, 0.0))
+    assembly, stiffness = problem(scenes.build(ground, block, water, friction=0.9, live=(0.0, 1.0, 0.0), plane=False))
+    solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE))
+    assert solution.status is Status.FAILED and math.isnan(solution.value) and math.isinf(solution.uncertainty)
 
 
 def test_a_live_load_that_would_hold_blocks_back_has_no_value(monkeypatch) -> None:
-    monkeypatch.setattr(prediction, "_is_held_back", lambda _solution: True)
+    monkeypatch.setattr(prediction, "_is_held_back", lambda *_: True)
     assembly, stiffness = problem(pinched_stone(math.radians(50.0)))
     solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE))
     assert solution.status is Status.FAILED and math.isnan(solution.value) and math.isinf(solution.uncertainty)
