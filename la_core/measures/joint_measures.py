@@ -88,8 +88,9 @@ def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
     interfaces, joint = assembly.interfaces, assembly.points.interface
     parting, sliding = mechanism.contact_speeds(assembly, twists)
     opening, slip = np.full(len(interfaces), -np.inf), np.zeros(len(interfaces))
-    np.maximum.at(opening, joint, parting)
-    np.maximum.at(slip, joint, sliding)
+    with np.errstate(invalid="ignore"):  # NaN where a structure cannot stand
+        np.maximum.at(opening, joint, parting)
+        np.maximum.at(slip, joint, sliding)
     turn = twists[interfaces.block_b, 3:] - twists[interfaces.block_a, 3:]
     return JointMotion(opening, slip, np.linalg.norm(turn, axis=1))
 
@@ -97,7 +98,8 @@ def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
 def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     """Shear of each interface over the most that its friction bears under its compression (I,); NaN where that is 0.
 
-    It is 1 where the interface slides, and its inverse is the safety against sliding. forces (C, 3): contact forces on block b, N.
+    It is 1 where the interface slides, and its inverse is the safety against sliding; but less where it turns in its own plane, for there
+    shear forces cancel each other in part. forces (C, 3): contact forces on block b, N.
     """
     borne = assembly.points.friction * loaded_compression(assembly, forces)
     most = np.bincount(assembly.points.interface, weights=borne, minlength=len(assembly.interfaces))

@@ -16,6 +16,7 @@ from comparison.judge.summary import limit_analysis_summary
 from comparison.report import structure_facts
 from comparison.report.facts import MOST_ROWS
 from comparison.yade import Results
+from la_core.analysis import solve
 from la_core.analysis.stage import analyse
 from la_core.geometry import Interfaces
 from la_core.measures import eccentricity
@@ -119,3 +120,14 @@ def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(t
     page, markdown = page_and_markdown(tmp_path, summary)
     for words in ("Forces of the ground and the support", "YADE, z, kN", "−2.552", "7.296"):
         assert words in page and (words in markdown or words.startswith("Forces")), words
+
+
+@pytest.mark.filterwarnings("error")
+def test_joints_of_a_structure_that_cannot_stand_are_unknown_without_a_python_warning() -> None:
+    pad, support = (
+        scenes.box("pad", (0.0, 0.0, -0.5), (0.4, 1.0, 0.0), "fixed"),
+        scenes.box("support", (0.4, 0.0, -0.5), (0.6, 1.0, 0.0), "support"),
+    )
+    answer = solve(scenes.build(pad, support, scenes.box("beam", (0.0, 0.0, 0.0), (2.0, 1.0, 0.4)), settlement=(0.0, 0.0, -1.0)))
+    assert {row["state"] for row in answer.joints} == {"unknown"}
+    assert all(np.isnan([row["opening"], row["slip"], row["rotation"], row["eccentricity"]]).all() for row in answer.joints)
