@@ -131,12 +131,17 @@ ENERGY_NOTE = (
 
 GROUND_NOTE = (
     "Force of each block of the ground and of the support on the structure through its joints, at the plateau. Where the structure is "
-    "statically indeterminate, forces other than R depend on the history of the joints, and both methods may be right."
+    "statically indeterminate, single forces depend on the history of the joints, and both methods may be right."
+)
+TILT_NOTE = (
+    " Axes turn with the ground. Both methods keep the whole weight across it and add the weight times the multiplier along it: on ground "
+    "that tilts by the angle, all forces are smaller, by its cosine."
 )
 JOINTS_NOTE = (
     "The joints that move most come first. Opening and slip are the largest of the joint's contact points, and the rotation is that of its "
-    "blocks against each other, all per unit motion of the support; under a live load per unit of the mean displacement along the load. "
-    "Friction used is the shear over the most that friction bears under the normal force; its inverse is the safety against sliding. "
+    "blocks against each other, all per unit motion of the support; under a live load or a tilt per unit of the mean displacement along "
+    "it. Friction used is the shear over the most that friction bears under the normal force; its inverse is the safety against sliding. "
+    "A joint that turns in its own plane slides although it uses less than 1, because its shear forces cancel each other in part. "
     "The eccentricity of the centre of pressure is 0 in the middle of the joint, 0.333 at the end of the middle third, and 1 at the edge: "
     "there a joint that opens turns as a hinge."
 )
@@ -195,12 +200,14 @@ def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     headings.append(("centre of pressure", f"({', '.join(axes)})", ""))
     rest = found["count"] - len(rows)
     more = f"{plural(rest, 'more joint')} {'moves' if rest == 1 else 'move'} no farther. " if rest else ""
-    return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE}
+    return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE + _tilt_note(facts)}
 
 
 def reactions(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     """Return headings, rows of text and a note on the forces of the ground and the support; without rows where limit analysis has none."""
-    rows = (comparison.get("structure") or {}).get("ground_reactions") or []
+    facts = comparison.get("structure") or {}
+    found = facts.get("ground_reactions") or {"count": 0, "rows": [], "aside": 0}
+    rows, aside = found["rows"], found["aside"]
     axes = (0, 2) if (comparison.get("effects") or {}).get("plane") else (0, 1, 2)
     methods = [name for name in GROUND_METHODS if rows and name in rows[0]]
     largest = max((abs(part) for row in rows for name in methods for part in row[name]), default=0.0)
@@ -211,11 +218,19 @@ def reactions(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     headings = [("block", "")] + [
         (f"{GROUND_METHODS[name]}, {'xyz'[axis]}, {units.of('N')[1]}", "number") for name in methods for axis in axes
     ]
+    rest = found["count"] - len(rows)
+    more = f"{plural(rest, 'more block')} {'carries' if rest == 1 else 'carry'} no more. " if rest else ""
+    if aside:
+        more += f"The table lacks what the ground bears under the {plural(aside, 'block')} set aside. "
     return {
         "headings": headings,
         "rows": [[row["block"], *(text(row[name][axis]) for name in methods for axis in axes)] for row in rows],
-        "note": GROUND_NOTE,
+        "note": more + GROUND_NOTE + _tilt_note(facts),
     }
+
+
+def _tilt_note(facts: dict[str, Any]) -> str:
+    return TILT_NOTE if facts.get("tilt") else ""
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:

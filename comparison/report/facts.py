@@ -22,8 +22,8 @@ def structure_facts(results: Results) -> dict[str, Any]:
 
     `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
     `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
-    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows. `ground_reactions` has the force on
-    the structure, by method, of the fixed and the support blocks with the largest ones.
+    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows. `ground_reactions` counts the
+    fixed and the support blocks that touch the structure, and has the largest forces on it, by method, as rows.
     """
     scene, analysis = results.scene, results.analysis
     blocks = scene.blocks
@@ -109,17 +109,22 @@ def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
     return {"count": len(moved), "rows": [moved[k] for k in order[:MOST_ROWS]]}
 
 
-def _ground_reactions(results: Results) -> list[dict[str, Any]]:
-    """Return name and force on the structure, N, by method, of the fixed and the support blocks that carry most; [] without an answer."""
+def _ground_reactions(results: Results) -> dict[str, Any]:
+    """Return the number of fixed and support blocks that touch the structure, and as rows the forces on it, N, of those that carry most.
+
+    Free blocks that are set aside are held as ground in both methods, but they are none: they are counted alone.
+    """
     assembly, run = results.analysis.assembly, results.run
     forces = {"limit_analysis": shown_answer(results.analysis)[1].forces}
     if run is not None and run.status == "plateau":
         forces["yade"] = run.plateau_forces()
     known = {name: ground_reactions(assembly, each) for name, each in forces.items() if np.isfinite(each).all()}
     if "limit_analysis" not in known:
-        return []
+        return {"count": 0, "rows": [], "aside": 0}
     size = np.linalg.norm(known["limit_analysis"], axis=1)
-    touched = np.intersect1d(np.flatnonzero(~assembly.blocks.free), np.append(assembly.interfaces.block_a, assembly.interfaces.block_b))
+    held, interfaces = np.flatnonzero(~assembly.blocks.free & ~assembly.aside), assembly.interfaces
+    touched = np.intersect1d(held, np.append(interfaces.block_a, interfaces.block_b))
     largest = touched[np.argsort(-size[touched], kind="stable")][:MOST_ROWS]
     names = assembly.blocks.names
-    return [{"block": names[k]} | {name: each[k].tolist() for name, each in known.items()} for k in np.sort(largest).tolist()]
+    rows = [{"block": names[k]} | {name: each[k].tolist() for name, each in known.items()} for k in np.sort(largest).tolist()]
+    return {"count": len(touched), "rows": rows, "aside": int(assembly.aside.sum())}

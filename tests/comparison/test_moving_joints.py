@@ -20,7 +20,7 @@ from la_core.analysis import solve
 from la_core.analysis.stage import analyse
 from la_core.geometry import Interfaces
 from la_core.measures import eccentricity
-from la_core.scene import Scene
+from la_core.scene import Scene, variant
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
 
@@ -90,7 +90,7 @@ def test_report_and_markdown_have_the_table_with_what_is_left_out(tmp_path: Path
         "arch 5 and arch 6", "opens", "0.132", "0.444", "2.621", "0.293", "0.16", "(−0.3058, 2.127) m", "centre of pressure", "(x, z)",
     ):  # fmt: skip
         assert words in shown and words in markdown, words
-    assert "more joint" not in shown
+    assert "more joint" not in shown and "A joint that turns in its own plane slides although it uses less than 1" in shown
     summary["structure"]["moving_joints"]["count"] = 5
     assert "1 more joint moves no farther" in page_and_markdown(tmp_path, summary)[0]
     summary["structure"]["moving_joints"] = {"count": 0, "rows": []}
@@ -110,7 +110,7 @@ def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(t
     analysis = analyse(scene)
     run = perfect_run(analysis)
     facts = structure_facts(Results(analysis, run))
-    left, right = facts["ground_reactions"]
+    left, right = facts["ground_reactions"]["rows"]
     assert (left["block"], right["block"]) == ("arch springer left", "arch springer right")
     thrust = analysis.bounds[analysis.main].value
     assert left["limit_analysis"] == pytest.approx([thrust, 0.0, scene.weight / 2.0], rel=1e-6, abs=1e-6 * scene.weight)
@@ -120,6 +120,49 @@ def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(t
     page, markdown = page_and_markdown(tmp_path, summary)
     for words in ("Forces of the ground and the support", "YADE, z, kN", "−2.552", "7.296"):
         assert words in page and (words in markdown or words.startswith("Forces")), words
+    assert "more block" not in markdown and "blocks set aside" not in markdown and "cosine" not in markdown
+    facts["ground_reactions"] |= {"count": 3, "aside": 2}
+    facts["tilt"] = [0.0, 1.0, 0.0]
+    _, markdown = page_and_markdown(tmp_path, summary)
+    for words in ("1 more block carries no more.", "what the ground bears under the 2 blocks set aside", "smaller, by its cosine"):
+        assert words in markdown, words
+
+
+def test_blocks_that_are_set_aside_are_no_ground() -> None:
+    """They are held as the ground is, and the region leans on them."""
+    scene = variant(load_scene(find("wall_long")), {"effects.reach": True})
+    analysis = analyse(scene)
+    assert analysis.assembly.aside.sum() > 10
+    found = structure_facts(Results(analysis))["ground_reactions"]
+    assert [row["block"] for row in found["rows"]] == ["fixed base", "settling base"]
+    assert (found["count"], found["aside"]) == (2, analysis.assembly.aside.sum())
+
+
+def test_of_many_blocks_of_ground_those_are_listed_that_carry_most() -> None:
+    pads = [scenes.box(f"pad {k}", (0.1 * k, 0.0, -0.5), (0.1 * k + 0.1, 1.0, 0.0), "fixed") for k in range(MOST_ROWS + 2)]
+    support = scenes.box("support", (3.0, 0.0, -0.5), (4.0, 1.0, 0.0), "support")
+    blocks = [scenes.box(f"block {k}", (0.1 * k, 0.0, 0.0), (0.1 * k + 0.1, 1.0, 0.5 if k else 0.1)) for k in range(MOST_ROWS + 2)]
+    scene = scenes.build(*pads, support, *blocks, scenes.box("beside", (3.0, 0.0, 0.0), (4.0, 1.0, 0.5)), settlement=(0.0, 0.0, -1.0))
+    found = structure_facts(Results(analyse(scene)))["ground_reactions"]
+    names = [row["block"] for row in found["rows"]]
+    assert found["count"] == MOST_ROWS + 3 and len(names) == MOST_ROWS
+    assert "pad 0" not in names and "support" in names
+
+
+def test_a_joint_that_turns_in_its_own_plane_slides_with_less_than_all_its_friction() -> None:
+    """A block that is pushed along one rough and one slick pad turns on the rough one."""
+    scene = scenes.build(
+        scenes.box("rough", (0.0, 0.0, -0.5), (0.5, 1.0, 0.0), "fixed"),
+        scenes.box("slick", (1.0, -2.0, -0.5), (2.0, 3.0, 0.0), "fixed"),
+        scenes.box("block", (0.0, 0.0, 0.0), (2.0, 1.0, 0.5)),
+        scenes.table("[friction]", between=["slick", "block"], friction=0.0),
+        friction=0.5,
+        live=[0.0, 1.0, 0.0],
+        plane=False,
+    )
+    used = {row["block_a"]: (row["state"], row["friction_used"]) for row in joints_of(scene)}
+    assert used["slick"] == ("sliding", pytest.approx(np.nan, nan_ok=True))
+    assert used["rough"][0] == "sliding" and 0.1 < used["rough"][1] < 0.9
 
 
 @pytest.mark.filterwarnings("error")
