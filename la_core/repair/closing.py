@@ -84,6 +84,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
         overlaps_cut=found.cut,
+        deepest_cut=found.deepest,
         shortest_joint=SHORTEST * tolerance,
         unclosed=tuple(replace(one, vertex=tuple((np.array(one.vertex) + origin).tolist())) for one in unclosed),
     )
@@ -207,9 +208,10 @@ def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
 
 @dataclass
 class _Overlaps:
-    """What became of overlaps: the number of cuts, and those that are too deep to be cut, by their two blocks."""
+    """What became of overlaps: number of cuts, the deepest one (m), and those that are too deep to be cut, by their two blocks."""
 
     cut: int = 0
+    deepest: float = 0.0
     deep: dict[tuple[str, str], Unclosed] = field(default_factory=dict)
 
 
@@ -244,8 +246,9 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
                 both = parts.names[a], parts.names[b]
                 found.deep[both] = Unclosed(both, middle, -depth)
             elif a not in changed and b not in changed:  # the next round finds the other pairs again
-                cut, rest = _cut_part(parts, a, b, origin)
+                cut, rest, off = _cut_part(parts, a, b, origin)
                 pieces[cut] = rest
+                found.deepest = max(found.deepest, off)
                 changed.add(cut)
         found.cut += len(changed)
         if not changed:
@@ -253,9 +256,9 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     return found
 
 
-def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape]:
-    """The part to cut of two overlapping ones, and its remainder."""
-    _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
+def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape, float]:
+    """The part to cut of two overlapping ones, its remainder, and how deep the cut is, m."""
+    height, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
     faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
     normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
     offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
@@ -263,7 +266,7 @@ def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, S
     rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
     if rest is None:
         raise _nothing_left(parts, cut, origin)
-    return cut, rest
+    return cut, rest, -height
 
 
 def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:

@@ -41,6 +41,8 @@ class Repairs:
         Pairs of faces brought onto one plane, that were apart and that overlapped.
     overlaps_cut : int
         Corners cut from blocks that overlapped another block.
+    deepest_cut : float
+        Most that was cut from a corner, m.
     shortest_joint : float
         Joints shorter than this are dropped, m.
     unclosed : tuple of Unclosed
@@ -59,6 +61,7 @@ class Repairs:
     shortest_joint: float
     unclosed: tuple[Unclosed, ...]
     made_convex: int = 0
+    deepest_cut: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain values."""

@@ -80,5 +80,7 @@ def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
     widest = f", up to {1e3 * repairs['joint_width']:.3g} mm wide" if repairs["joint_width"] else ""
     yield f"open joints closed{widest}", str(repairs["gaps_closed"])
     yield "overlapping faces parted", str(repairs["overlaps_closed"])
-    yield "overlapping corners cut off", str(repairs["overlaps_cut"])
-    yield f'largest move of a corner, of "{repairs["moved_block"]}"', f"{1e3 * repairs['largest_move']:.3g} mm"
+    deepest = repairs.get("deepest_cut")  # as above
+    yield f"overlapping corners cut off{f', up to {1e3 * deepest:.3g} mm deep' if deepest else ''}", str(repairs["overlaps_cut"])
+    if repairs["largest_move"] > ROUND_OFF:
+        yield f'largest move of a corner, of "{repairs["moved_block"]}"', f"{1e3 * repairs['largest_move']:.3g} mm"

@@ -14,6 +14,7 @@ from la_core.geometry import Blocks, Shape, find_interfaces, near_pairs, overlap
 from la_core.limit.problem import Drive
 from la_core.repair import closing
 from la_core.scene import Scene
+from la_core.scene.changes import _repair_rows
 
 LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
 ROUND_OFF = 1e-9
@@ -239,3 +240,18 @@ def test_an_overlap_that_moving_faces_deepen_is_cut_where_it_was_drawn_within_th
     assert all(one.gap > 0.0 or abs(one.gap) < 2.0 * tolerance for one in repairs.unclosed)
     before, after = (Blocks.gather(names, ["fixed"] * len(names), [1.0] * len(names), some).volume for some in (shapes, repaired))
     assert after == pytest.approx(before, rel=0.03)
+
+
+def test_the_depth_of_the_deepest_cut_is_told() -> None:
+    """Faces of these voussoirs stay where they are, and up to 7 mm are cut off: only "largest move: 0 mm" told how much."""
+    names, shapes = voussoirs_between_chords(around=32, rows=7)
+    repaired, repairs = closing.close_joints(names, shapes, 0.0034, np.zeros(len(shapes)))
+    lost = [
+        float((old.vertices @ new.face_normal.T - new.face_offset).max())
+        for old, new in zip(shapes, (Blocks.gather(["block"], ["fixed"], [1.0], [one]) for one in repaired), strict=True)
+    ]
+    assert repairs.largest_move < ROUND_OFF and repairs.overlaps_cut > 0
+    assert repairs.deepest_cut == pytest.approx(max(lost), rel=1e-6) == pytest.approx(0.00699, rel=1e-3)
+    rows = dict(_repair_rows(repairs.as_dict()))
+    assert rows["overlapping corners cut off, up to 6.99 mm deep"] == str(repairs.overlaps_cut)
+    assert not any("move of a corner" in name for name in rows)
