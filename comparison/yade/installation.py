@@ -20,8 +20,9 @@ SCRIPTS = ROOT / "yade_scripts"
 
 
 _PROBE = """
-import ast, importlib, pathlib, sys
-sys.path.insert(0, sys.argv[1])
+import sys
+sys.path = [sys.argv[1], *filter(None, sys.path)]  # without the current folder: its files may come from anybody
+import ast, importlib, pathlib
 try:
     import h5py, numpy
 except ImportError as error:
@@ -141,10 +142,9 @@ def checked(installation: Installation) -> Yade:
     """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
     python, modules = installation.python, installation.modules
     try:
-        answer = subprocess.run(  # on a safe path a numpy.py of the current folder, which may come from anybody, is not loaded
+        answer = subprocess.run(
             [python, "-s", "-c", _PROBE, modules, SCRIPTS],
-            env=yade_environment() | {"PYTHONSAFEPATH": "1"},
-            capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
+            env=yade_environment(), capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
