@@ -102,10 +102,9 @@ def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
     """Return the number of joints that open or slide in a mechanism, and as rows those that move most, in SI units."""
     rows = joint_rows(assembly, method.twists, method.forces[-1])
     moved = [row for row in rows if row["state"] in ("opening", "sliding")]
-    speed = [max(row["opening"], row["slip"]) for row in moved]
-    order = np.argsort(
-        -np.round(np.array(speed) / max(speed, default=1.0), 6), kind="stable"
-    )  # equal ones but for round-off keep their order
+    speed = np.array([max(row["opening"], row["slip"]) for row in moved])
+    rounded = np.round(speed / (speed.max(initial=0.0) or 1.0), 6)
+    order = np.argsort(-rounded, kind="stable")  # joints that move alike but for round-off keep their order
     return {"count": len(moved), "rows": [moved[k] for k in order[:MOST_ROWS]]}
 
 
