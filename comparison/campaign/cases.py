@@ -92,8 +92,8 @@ def expand(definition: Definition) -> list[Case]:
     names, folders, sweeps = _Names(LONGEST), _Names(LONGEST), _Names()
     scenes = [_scene_of(definition, sweep) for sweep in definition.file.sweep]
     for sweep, (path, original) in zip(definition.file.sweep, scenes, strict=True):
-        whole_name = sweep.name or _scene_name(path, [other for other, _ in scenes])
-        stem, title = folder_name(whole_name), sweeps.unique(whole_name)
+        called = sweep.name or _scene_name(path, [other for other, _ in scenes])
+        stem, title = folder_name(called), sweeps.unique(called)
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])

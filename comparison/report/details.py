@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from comparison.judge import METHODS as ACCURACY_METHODS
+from comparison.judge import METHODS as BOTH_METHODS
 from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, format_number, percent, plain_number, plural, small_number
 from la_core.text_table import exists, place_text
 
@@ -97,12 +97,12 @@ def _stated(uncertainty: Any, share: Any, results: dict[str, Any]) -> str:
 def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
     """Yield every attempt at the requested accuracy: method, choice and reason, error by parts, success, seconds."""
     record = comparison.get("accuracy") or {}
-    for method in (name for name in ACCURACY_METHODS if name in record):
+    for method in (name for name in BOTH_METHODS if name in record):
         for attempt in record[method]["attempts"]:
             parts = ", ".join(f"{name} {percent(value)}" for name, value in attempt["parts"].items())
             error, requested = attempt["error"], record["asked"]
             yield {
-                "method": ACCURACY_METHODS[method],
+                "method": BOTH_METHODS[method],
                 "asked": percent(requested),
                 "chosen": attempt["chosen"],
                 "error": f"{percent(error)}: {parts}",
@@ -121,7 +121,6 @@ ENERGIES = {
     "viscous": "dissipated by damping",
 }
 DRIVES = ("support", "load")  # one of them acts; the other one does no work
-GROUND_METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 ENERGY_NOTE = (
     "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
     "signs. Where weight and live load oppose each other, each of them may do more work than this. The forces between two "
@@ -172,9 +171,9 @@ def energy_view(comparison: dict[str, Any]) -> dict[str, Any]:
 
 
 def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
-    """Return headings, rows of text and a note on the joints that open or slide in limit analysis; without rows where there are none.
+    """Return headings, rows of text and a note for the table of the joints that open or slide in limit analysis.
 
-    Numbers that are round-off beside the largest of their kind are as good as zero.
+    There are no rows where no joint moves. A number that is round-off beside the largest of its kind is shown as zero.
     """
     facts = comparison.get("structure") or {}
     found = facts.get("moving_joints") or {"count": 0, "rows": []}
@@ -204,19 +203,22 @@ def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
 
 
 def reactions(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
-    """Return headings, rows of text and a note on the forces of the ground and the support; without rows where limit analysis has none."""
+    """Return headings, rows of text and a note for the table of the forces of the ground and the support.
+
+    There are no rows where limit analysis knows no forces.
+    """
     facts = comparison.get("structure") or {}
     found = facts.get("ground_reactions") or {"count": 0, "rows": [], "aside": 0}
     rows, aside = found["rows"], found["aside"]
     axes = (0, 2) if (comparison.get("effects") or {}).get("plane") else (0, 1, 2)
-    methods = [name for name in GROUND_METHODS if rows and name in rows[0]]
+    methods = [name for name in BOTH_METHODS if rows and name in rows[0]]
     largest = max((abs(part) for row in rows for name in methods for part in row[name]), default=0.0)
 
     def text(part: float) -> str:
         return small_number(units.value(part, "N"), units.value(largest, "N"), 4)
 
     headings = [("block", "")] + [
-        (f"{GROUND_METHODS[name]}, {'xyz'[axis]}, {units.of('N')[1]}", "number") for name in methods for axis in axes
+        (f"{BOTH_METHODS[name]}, {'xyz'[axis]}, {units.of('N')[1]}", "number") for name in methods for axis in axes
     ]
     rest = found["count"] - len(rows)
     more = f"{plural(rest, 'more block')} {'carries' if rest == 1 else 'carry'} no more. " if rest else ""

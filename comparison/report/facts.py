@@ -111,7 +111,7 @@ def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
 def _ground_reactions(results: Results) -> dict[str, Any]:
     """Return the number of fixed and support blocks that touch the structure, and as rows the forces on it, N, of those that carry most.
 
-    Free blocks that are set aside are held as ground in both methods, but they are none: they are counted alone.
+    Both methods hold the free blocks that are set aside. These blocks are no ground: they have no row, and `aside` is their number.
     """
     assembly, run = results.analysis.assembly, results.run
     forces = {"limit_analysis": shown_answer(results.analysis)[1].forces}

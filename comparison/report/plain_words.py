@@ -55,11 +55,12 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if moves:
         yield f"When {_support_words(facts)} {moves}, {_moving_words(comparison, facts)}."
     weight, unit = comparison.get("weight"), comparison.get("unit", "N")
+    is_held_back = exists(predicted) and exists(weight) and predicted < -HELD_BACK * weight
     if exists(predicted) and exists(weight) and weight:
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         by_motion = "settles" in moves or not moves
-        carried = by_motion and not predicted < -HELD_BACK * weight
-        of_force = "The support then still carries" if carried else "The force on the support along its motion is then"
+        carries_it = by_motion and not is_held_back
+        of_force = "The support then still carries" if carries_it else "The force on the support along its motion is then"
         if facts.get("motions"):
             supports = "support" if sum(len(one["names"]) for one in facts["motions"]) == 1 else "supports"
             of_force = f"The forces on the {supports}, each times the share of the settlement at its place, are then together"
@@ -68,7 +69,7 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         yield f"{carries} at least {value}: {LOWER}." if is_bound else f"{carries} {value}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
-    if exists(predicted) and exists(weight) and predicted < -HELD_BACK * weight and not is_bound:
+    if is_held_back and not is_bound:
         effort = "a force of this size must move" if unit == "N" else "a moment of this size must turn"
         yield f"The minus says that the structure holds the support back: {effort} it."
 

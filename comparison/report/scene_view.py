@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from comparison.judge import METHODS
 from comparison.numbers import (
     A_POINT,
     DASH,
@@ -123,13 +124,12 @@ def _notes(comparison: dict[str, Any]) -> Iterator[str]:
 
 def _joint_notes(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield a sentence for each method whose mechanism opens or slides in joints that rest in the other's."""
-    methods = {"limit_analysis": "limit analysis", "yade": "YADE"}
     for name, alone in ((comparison.get("structure") or {}).get("joints_of_one_method") or {}).items():
         if alone["count"]:
             names, rest = "; ".join(alone["names"]), alone["count"] - len(alone["names"])
             more = f" and {rest} more" if rest else ""
             yield (
-                f"Only in the mechanism of {methods.get(name, name)} these joints open or slide: {names}{more}. "
+                f"Only in the mechanism of {METHODS.get(name, name)} these joints open or slide: {names}{more}. "
                 "Where joints are equal by symmetry, or several mechanisms have the same reaction, both methods may be right."
             )
 

@@ -158,7 +158,7 @@ def interface_dissipation(assembly: Assembly, twists: np.ndarray, forces: np.nda
 def settling_power(assembly: Assembly, twists: np.ndarray, threshold: float = THRESHOLD) -> float:
     """Power of the sinking weights, sum of max(w . v, 0) over the blocks; lifted weights do not count.
 
-    It is 0 where no block sinks faster than `threshold`, as a share of the fastest speed: what is left is strain and rounding errors.
+    It is 0 where no block sinks faster than `threshold` times the fastest speed: slower motions are strain and rounding errors.
     """
     power = np.sum(assembly.dead_load * twists, axis=1)
     noise = threshold * mechanism.fastest_speed(assembly, twists) * np.linalg.norm(assembly.dead_load[:, :3], axis=1)

@@ -98,8 +98,8 @@ def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
 def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     """Shear of each interface over the most that its friction bears under its compression (I,); NaN where that is 0.
 
-    It is 1 where the interface slides, and its inverse is the safety against sliding; but less where it turns in its own plane, for there
-    shear forces cancel each other in part. forces (C, 3): contact forces on block b, N.
+    Its inverse is the safety against sliding. It is 1 where the interface slides, and less where it turns in its own plane, because shear
+    forces then cancel each other in part. forces (C, 3): contact forces on block b, N.
     """
     borne = assembly.points.friction * loaded_compression(assembly, forces)
     most = np.bincount(assembly.points.interface, weights=borne, minlength=len(assembly.interfaces))

@@ -58,17 +58,8 @@ def test_no_block_loses_inertia_and_the_mass_added_keeps_its_share(one: case.Cas
     assert np.allclose(slow.tensor, growth[:, None, None] * true.tensor) and growth.min() >= 1.0  # the same about every axis
 
 
-def test_no_block_turns_faster_than_it_shifts(one: case.Case) -> None:
-    springs = springs_of(one, 3.0, 2.0)
-    slow = slowed(one, springs, SHARE)
-    shifting, turning = springs.of_blocks()
-    for block in one.free:
-        shifts = np.linalg.eigvalsh(shifting[block]).max() / slow.mass[block]
-        turns = np.linalg.eigvals(np.linalg.solve(slow.tensor[block], turning[block])).real.max()
-        assert turns <= shifts * (1.0 + ROUND_OFF) or slow.tensor[block, 1, 1] >= MOST * one.inertia[block, 1, 1] * (1.0 - ROUND_OFF)
-
-
 def test_a_moment_of_inertia_grows_only_until_the_block_turns_as_slowly_as_it_shifts(one: case.Case) -> None:
+    """Exactly so far, or MOST times: then no block turns faster than it shifts."""
     springs = springs_of(one, 3.0, 2.0)
     slow = slowed(one, springs, SHARE)
     shifting, turning = springs.of_blocks()

@@ -102,8 +102,8 @@ def test_a_bent_record_tells_no_more_than_three_rows_with_one_freedom_left() -> 
 
 def test_a_line_is_uncertain_by_what_lies_between_it_and_its_level_and_by_the_strain_that_may_be_left() -> None:
     """By hand, where turning blocks explain 0.2 of the slope. What lies between line and level, slope times centre, has a rectangular
-    distribution. Strain c / s left at the centre has the slope c / centre^2 there: the line drawn back by slope times centre gives back
-    once what is left, and as much is still to come.
+    distribution. A strain c / s at the centre has the slope c / centre^2 there. The line is drawn back by slope times centre, which is c /
+    centre: all the strain that is left there. As much is still to come.
     """
     s = settlement()
     fit = fitted(s, REACTION - SLOPE * s, plateau.Geometry(turning=0.25 * SLOPE, lever=np.inf, slope=-0.2 * SLOPE))
