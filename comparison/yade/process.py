@@ -18,6 +18,8 @@ from comparison.yade.installation import HOW_TO_GET_YADE, SCRIPTS, Installation,
 LOG_TAIL = 8  # lines of the log that an error quotes
 NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # of a progress report, where known
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
+LOADING = 300.0  # seconds; YADE loads in two, even with 1,500 blocks, but one of some ten thousand starts hung
+STARTS = 2  # of a YADE that hangs while it loads
 
 
 def run_yade(
@@ -29,6 +31,8 @@ def run_yade(
     started: Callable[[], None] = lambda: None,
 ) -> None:
     """Run `case.h5` of a folder in YADE to its end, and write `run.h5` and `yade.log` there.
+
+    A YADE that hangs while it loads is started once more.
 
     Raises YadeFailedError when no result was written, and YadeMissingError where this is because YADE does not load. An interruption of
     this call ends YADE, too.
@@ -54,13 +58,20 @@ def run_yade(
     options = ["--inputs", inputs, "--time-limit", time_limit]
     command = [str(part) for part in (yade.python, "-s", "-u", SCRIPTS / "run_case.py", case.resolve(), run.resolve(), *options)]
     variables = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
-    began = time.monotonic()
+    code: int | None = None
     try:
         log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
         with log.open("x") as record:
-            code = _followed(command, variables, folder, time_limit + GRACE, record, progress, started)
+            for _ in range(STARTS):
+                began = time.monotonic()
+                code = _followed(command, variables, folder, time_limit + GRACE, record, progress, started)
+                if code is not None:
+                    break
+                record.write(f"YADE did not load within {LOADING:g} s\n")
     except OSError as error:  # an error of the log itself does not name its file
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
+    if code is None:
+        raise YadeFailedError(f"YADE did not load within {LOADING:g} s, {STARTS} times; run the same command again, with less beside it")
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
         reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
@@ -75,8 +86,11 @@ def _followed(
     record: TextIO,
     progress: Callable[[dict[str, Any]], None],
     started: Callable[[], None],
-) -> int:
-    """Run a process and return its exit code; it is killed after `seconds`, or when this call ends. `record` receives its output."""
+) -> int | None:
+    """Run a process and return its exit code; None where it was killed because it reported nothing within LOADING seconds.
+
+    It is also killed after `seconds`, and when this call ends. `record` receives its output.
+    """
     try:
         process = subprocess.Popen(
             command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -84,19 +98,29 @@ def _followed(
         )  # fmt: skip
     except OSError as error:
         raise YadeMissingError(f"{command[0]} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
-    overtime = threading.Timer(seconds, _end, [process])
-    overtime.daemon = True
+    hangs = threading.Event()
+
+    def give_up() -> None:
+        hangs.set()
+        _end(process)
+
+    overtime, loading = threading.Timer(seconds, _end, [process]), threading.Timer(LOADING, give_up)
+    overtime.daemon = loading.daemon = True
     try:
         overtime.start()
+        loading.start()
         started()
         assert process.stdout is not None  # it is a pipe
         with process.stdout:
             for line in process.stdout:
                 record.write(line)
                 if (report := _report(line)) is not None:
+                    loading.cancel()
                     progress(report)
-        return process.wait()
+        code = process.wait()
+        return None if hangs.is_set() else code
     finally:
+        loading.cancel()
         overtime.cancel()
         _end(process)
 

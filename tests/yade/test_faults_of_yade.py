@@ -12,7 +12,7 @@ from faulty_runs import TOOL, Fake, answer, one_message, unfinished
 
 from comparison.cli.commands import main
 from comparison.settings import SYSTEM_PYTHON
-from comparison.yade import process
+from comparison.yade import installation, process
 
 DEATHS = {
     "killed": ("kill -KILL $$", "SIGKILL"),
@@ -75,6 +75,35 @@ def test_a_yade_that_hangs_is_ended_from_outside(
     fake_python("exec sleep 600")
     assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "--time-limit", "0.3"]) == TOOL
     assert "SIGKILL, 0.2 s after its limit of 0.3 s" in capsys.readouterr().err
+
+
+@pytest.mark.yade
+def test_a_yade_that_hangs_while_it_loads_is_started_once_more(fake_python: Fake, copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, go = copy / "two_pads", copy / "go"
+    (folder / "run.h5").unlink()
+    fake_python(f'while [ ! -e "{go}" ]; do sleep 0.05; done; exec {SYSTEM_PYTHON} "$@"')
+    limits = [process.LOADING]
+    monkeypatch.setattr(process, "LOADING", 0.1)
+
+    def started() -> None:
+        if limits:
+            process.LOADING = limits.pop()  # of the second start
+        else:
+            go.touch()
+
+    process.run_yade(installation.locate_yade(), folder, "", 600.0, lambda report: None, started)
+    assert (folder / "run.h5").exists()
+    assert "YADE did not load within" in (folder / "yade.log").read_text(encoding="utf-8")
+
+
+def test_a_yade_that_hangs_at_every_start_is_a_failed_tool(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(process, "LOADING", 0.2)
+    fake_python("exec sleep 600")
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    one = capsys.readouterr().err
+    assert "YADE: failed: YADE did not load within 0.2 s, 2 times; run the same command again" in one and "Traceback" not in one
 
 
 @pytest.mark.yade
