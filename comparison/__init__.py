@@ -41,9 +41,11 @@ __all__ = sorted(_HOMES)  # noqa: PLE0605
 
 
 def __getattr__(name: str) -> object:
-    """A stable name, from the module where it lives (PEP 562)."""
+    """A stable name, from the module where it lives (PEP 562); raises ImportError on Windows."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if _load("sys").platform == "win32":
+        raise ImportError(_load("la_core.errors").ON_WINDOWS)
     return getattr(_load(f"{__name__}.{_HOMES[name]}"), name)
 
 

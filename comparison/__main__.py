@@ -11,6 +11,11 @@ CANNOT_LOAD = 3  # TOOL of comparison.cli.exit_codes, which may be what cannot b
 
 def main() -> int:
     """Run the command line; returns its exit code."""
+    if sys.platform == "win32":
+        from la_core.errors import ON_WINDOWS
+
+        sys.stderr.write(f"error: {ON_WINDOWS}\n")
+        return CANNOT_LOAD
     _open_closed_streams()
     os.environ["MPLBACKEND"] = "Agg"  # all figures are files; a backend that matplotlib no longer knows would end the command
     patient = signal.getsignal(signal.SIGINT)

@@ -15,6 +15,10 @@ CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )  # characters that control a terminal, except tab and new line
 MOST_LISTED, FEW_LISTED = 40, 10  # valid names that a hint lists in full; of more, how many it lists
+ON_WINDOWS = (
+    "crosscheck does not run on Windows itself; install it in WSL, the Linux within Windows (`wsl --install`), where YADE runs, too: "
+    "https://learn.microsoft.com/windows/wsl/install"
+)
 OF_LOCALE = "this shell's locale is not in UTF-8: set one that is, such as `export LC_ALL=C.UTF-8`"
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from faulty_runs import ROOT, TOOL, one_message
 
+import comparison
+from comparison.__main__ import main as entry
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
 from comparison.errors import message_of
@@ -118,6 +120,15 @@ def test_a_missing_part_is_named_with_what_completes_the_installation(part: str,
     ended = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == TOOL
     one_message(ended.stderr, f"the Python module {part}", "is missing", f"{shlex.quote(sys.executable)} -m pip install")
+
+
+def test_windows_is_told_where_the_program_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Its Python lacks modules of the standard library, and the installation was called incomplete."""
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert entry() == TOOL
+    one_message(capsys.readouterr().err, "install it in WSL", "wsl --install")
+    with pytest.raises(ImportError, match="install it in WSL"):
+        _ = comparison.run
 
 
 def test_a_missing_part_of_an_installation_by_pipx_is_completed_by_pipx(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
