@@ -24,7 +24,9 @@ from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import Fault
 
 LEAST_TOLERANCE = 1e-4  # m: where open joints are closed without a stated tolerance
-WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'
+WHERE_A_SUPPORT_IS = (
+    'give a [[block]] role = "support", a wall a `footing` or a building a `foundation` with a `settling` part, or an arch `springers`'
+)
 Placed = tuple[KeyPath, NamedShape]  # table of the file, and a block of it
 
 

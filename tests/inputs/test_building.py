@@ -30,10 +30,11 @@ WHOLE = {"from": (-9.0, -9.0), "to": (1.1, 9.0)}
 def building(plan: str = "rectangle", courses: int = 6, extra: str = "", **entries) -> Scene:
     entries = {"plan": plan, "origin": (0.0, 0.0, 0.0), "size": PLANS[plan][0], "block": BLOCK, "courses": courses, **entries}
     foundation = entries.pop("foundation", {"height": 0.2, "settling": WHOLE})
+    options = {name: entries.pop(name) for name in ("live", "friction") if name in entries}
     parts = [scenes.table("[building]", **entries), extra]
     if foundation:
         parts.append(scenes.table("building.foundation", **foundation))
-    return scenes.build(*parts)
+    return scenes.build(*parts, **options)
 
 
 def opening(side: str, low: tuple[float, float], high: tuple[float, float], bearing: float = 0.3, **entries) -> str:
@@ -138,6 +139,20 @@ def test_foundations_settle_within_the_region_and_nowhere_else(region, settling)
     held = ~scene.blocks.free
     assert scene.blocks.volume[held].sum() == pytest.approx(PLANS["rectangle"][1] * THICK * 0.3)
     assert scene.blocks.volume[scene.blocks.role == 2].sum() == pytest.approx(settling * 0.3)
+
+
+def test_a_pushed_building_stands_on_strips_that_do_not_settle() -> None:
+    """Two courses slide before any stack of blocks tips: at a push of mu times the weight."""
+    scene = building("L", courses=2, foundation={"height": 0.3}, live=(1.0, 0.0, 0.0), friction=0.25)
+    held = ~scene.blocks.free
+    assert set(scene.blocks.role[held]) == {1}
+    assert scene.blocks.volume[held].sum() == pytest.approx(PLANS["L"][1] * THICK * 0.3)
+    assert solve_associated(assemble(scene), Drive.LIVE).value == pytest.approx(0.25, rel=SAME)
+
+
+def test_a_building_without_a_settling_part_has_no_support() -> None:
+    with pytest.raises(SceneError, match=r"no block has the role of support; .* a building a `foundation` with a `settling` part"):
+        building(foundation={"height": 0.2})
 
 
 def test_away_from_its_corner_a_wall_of_a_building_is_a_wall() -> None:

@@ -45,8 +45,7 @@ class Line:
 def building_blocks(building: Building) -> Iterator[NamedShape]:
     """Blocks wall by wall, course by course, then the voussoirs of the wall's arches; at the end the strips of the foundation.
 
-    Raises SceneError for openings that do not fit, and for a settling region that cuts a strip lengthwise or contains
-    no strip.
+    Raises SceneError for openings that do not fit, and for a settling region that cuts a strip lengthwise or contains no strip.
     """
     length, thickness, height = building.block
     lines = _lines(building)
@@ -113,8 +112,8 @@ def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
             for number, (span, role) in enumerate(_spans_with_roles(building, line, (start + low, start + high)), 1):
                 settles |= role == "support"
                 yield NamedShape(f"{building.name} foundation {line.side} {low:g}.{number}", role, None, _strip(building, line, span))
-    if not settles:
-        region = building.foundation.settling
+    region = building.foundation.settling
+    if region is not None and not settles:
         where = f'building "{building.name}": foundation.settling'
         raise SceneError(where, "contains no part of a foundation, so nothing settles", value=(region.from_, region.to))
 
@@ -123,6 +122,8 @@ def _spans_with_roles(building: Building, line: Line, stretch: Span) -> list[tup
     """Spans of a stretch of a strip, cut at the ends of the settling region, each with its role."""
     assert building.foundation is not None
     region, across = building.foundation.settling, 1 - line.axis
+    if region is None:
+        return [(stretch, "fixed")]
     near = ON_LINE * building.block[0]
     low, high = region.from_[line.axis], region.to[line.axis]
     beside = region.to[across] <= line.low[across] + near or region.from_[across] >= line.high[across] - near

@@ -181,10 +181,12 @@ class Region(Table):
 
 
 class Foundation(Table):
-    """Strips under all walls: in the region `settling` they are the support, elsewhere the ground."""
+    """Strips under all walls: the ground, and in the region `settling` the support."""
 
     height: Positive = described("height of the strips", "m")
-    settling: Region = described("part of the plan that settles; strips are cut at its edges, and it must hold their whole breadth")
+    settling: Region | None = described(
+        "part of the plan that settles; strips are cut at its edges, and it must hold their whole breadth; the rest is fixed", default=None
+    )
 
 
 class Building(Table):
