@@ -1,13 +1,14 @@
 """A second opinion on the verdicts: random irregular scenes by both methods; agreements again, stiffer and slower, in one record and page.
 
-    python tests/benchmarks/benchmark_verdicts.py [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder] [--folder DIR]
-        [--record FILE]
+    python tests/benchmarks/benchmark_verdicts.py [--generated] [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder]
+        [--folder DIR] [--record FILE]
 
-Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--once` runs every scene
-once. What the record holds is not run again; a scene that was interrupted continues from the stages in its folder. `--page` writes the
-page from the record and runs nothing.
+Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--generated` takes those
+of generated_scenes.py. `--once` runs every scene once. What the record holds is not run again; a scene that was interrupted continues from
+the stages in its folder. `--page` writes the page from the record and runs nothing.
 """
 
+import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import json
 import math
@@ -17,11 +18,12 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-import on_path  # noqa: F401
+import generated_scenes
+import verdict_scenes
 from growth_report import table
 from marked_text import sentences
 from rich.console import Console
-from verdict_scenes import SCENES, SEED, drawn
+from verdict_scenes import SCENES, SEED
 
 from comparison.numbers import format_number, with_uncertainty
 from comparison.progress import Narration
@@ -45,9 +47,21 @@ HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verd
 OF_SECOND_RUNS = slice(7, 9)  # columns
 
 
-def measured(number: int, seed: int, folder: Path, once: bool, harder: bool) -> dict[str, Any]:
+STONES = (
+    "Random irregular scenes by both methods, seed {}: unequal blocks, leaning walls, inclined beds, lintels and walls of two leaves in "
+    "space; supports go down, aside or turn."
+)
+GENERATED = (
+    "Random structures of the generators by both methods, seed {}: arches of four shapes and of one or two rings, vaults, parts of domes, "
+    "walls that meet at a corner or as a T, walls with an opening under a floor and sometimes with a rod, and rubble. Supports go down, "
+    "aside or turn; where *pushed* stands, a load in a level direction grows, or the ground tilts, and the value is the multiplier. "
+    "Vaults, domes and walls that meet may move in space."
+)
+
+
+def measured(number: int, seed: int, folder: Path, once: bool, harder: bool, generated: bool = False) -> dict[str, Any]:
     """Return the entry of one scene: its first comparison, for an agreement its second one, and else what trying harder gives."""
-    scene_drawn = drawn(number, seed)
+    scene_drawn = (generated_scenes if generated else verdict_scenes).drawn(number, seed)
     scene = scene_drawn.scene
     with Narration(Console(stderr=True, quiet=True)) as narration:
         first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
@@ -67,22 +81,23 @@ def _no_figures(_: Any) -> dict[str, Any]:
 
 
 def values(summary: dict[str, Any]) -> dict[str, Any]:
-    """Return what the record keeps of a comparison; reactions over the weight."""
-    coulomb, yade, weight = summary["limit_analysis"]["coulomb"] or {}, summary["yade"] or {}, summary["weight"]
+    """Return what the record keeps of a comparison; reactions over the weight, or multipliers."""
+    coulomb, yade = summary["limit_analysis"]["coulomb"] or {}, summary["yade"] or {}
+    name, weight = ("reaction", summary["weight"]) if summary["unit"] else ("multiplier", 1.0)
     shared = coulomb.get("shared_inset") or coulomb
     numbers = {
-        "coulomb": shared.get("reaction"),
+        "coulomb": shared.get(name),
         "coulomb_uncertainty": shared.get("uncertainty"),
-        "yade": yade.get("reaction"),
+        "yade": yade.get(name),
         "yade_uncertainty": yade.get("uncertainty"),
     }
-    kept = {name: value / weight if exists(value) else None for name, value in numbers.items()}
+    kept = {key: value / weight if exists(value) else None for key, value in numbers.items()}
     names = ("verdict", "reason", "next_step", "free_blocks", "unit")
     compared = [check["limit_analysis"] for check in summary["checks"] if check["name"].endswith("against prediction")]
-    if summary["verdict"] == "agree" and exists(shared.get("reaction")) and compared not in ([], [shared["reaction"]]):
+    if summary["verdict"] == "agree" and exists(shared.get(name)) and compared not in ([], [shared[name]]):
         kept["released"] = compared[0] / weight  # where YADE's plateau agrees with the value after a release
     seconds = (coulomb.get("seconds") or 0.0) + (yade.get("seconds") or 0.0)
-    return kept | {name: summary[name] for name in names} | {"yade_status": yade.get("status"), "seconds": seconds}
+    return kept | {key: summary[key] for key in names} | {"yade_status": yade.get("status"), "seconds": seconds}
 
 
 # --- the page ---------------------------------------------------------------------------------------------------------------------
@@ -112,7 +127,8 @@ def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
 def page(record: dict[str, Any]) -> str:
     """Return the page of a record."""
     entries = sorted(record["scenes"].values(), key=lambda entry: entry["number"])
-    seed, is_usual = record["seed"], record["seed"] == SEED
+    seed, is_generated = record["seed"], record.get("generated", False)
+    is_usual = seed == SEED and not is_generated
     headings, rows = list(HEADINGS), [_row(entry) for entry in entries]
     agreements = [entry for entry in entries if not _is_open(entry)]
     repeated = sum("again" in entry for entry in agreements)
@@ -122,14 +138,17 @@ def page(record: dict[str, Any]) -> str:
         for columns in (headings, *rows):
             del columns[OF_SECOND_RUNS]
     meaning = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
-    options = ("" if is_usual else f" --seed {seed} --record FILE") + ("" if repeated else " --once")
+    options = (
+        (" --generated" if is_generated else "") + ("" if is_usual else f" --seed {seed} --record FILE") + ("" if repeated else " --once")
+    )
+    title = ": structures of the generators" if is_generated else "" if is_usual else f", seed {seed}"
+    total = generated_scenes.SCENES if is_generated else SCENES
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
     parts = [
-        "# A second opinion on the verdicts" + ("" if is_usual else f", seed {seed}"),
-        f"Random irregular scenes by both methods, seed {seed}: unequal blocks, leaning walls, inclined beds, lintels and "
-        "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. "
+        f"# A second opinion on the verdicts{title}",
+        f"{(GENERATED if is_generated else STONES).format(seed)} Scenes and seed were fixed before the first run. "
         f"{which} {second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
-        sentences([*_conclusions(entries, SEEN if is_usual else frozenset()), *record.get("since", [])]),
+        sentences([*_conclusions(entries, total, SEEN if is_usual else frozenset()), *record.get("since", [])]),
         *([meaning] if repeated else []),
         table(headings, rows),
         "## What stays open",
@@ -163,11 +182,11 @@ def _row(entry: dict[str, Any]) -> list[str]:
     ]
 
 
-def _conclusions(entries: list[dict[str, Any]], seen: frozenset[int]) -> Iterator[str]:
-    """Yield what the record shows, each as a sentence. seen: scenes that have led to changes of a method."""
+def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]) -> Iterator[str]:
+    """Yield what the record shows, each as a sentence. total: number of scenes; seen: scenes that have led to changes of a method."""
     counts = Counter(str(entry["verdict"]) for entry in entries)
     agree = counts["agree"]
-    yield f"{len(entries)} of {SCENES} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
+    yield f"{len(entries)} of {total} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
     yield f"{agree / len(entries):.1%} agree; the goal is {GOAL:.0%}."
     if released := [str(entry["number"]) for entry in entries if "released" in entry]:
         yield f"YADE comes to the prediction, then to the value of limit analysis after a release (*then*): {', '.join(released)}."
@@ -201,23 +220,29 @@ def _conclusions(entries: list[dict[str, Any]], seen: frozenset[int]) -> Iterato
 def main() -> None:
     """Run what the record lacks, and write record and page after every scene."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=SEED, help="seed of the scenes (default: that of verdict_scenes.py)")
+    parser.add_argument("--generated", action="store_true", help="scenes of generated_scenes.py in place of verdict_scenes.py")
+    parser.add_argument("--seed", type=int, help="seed of the scenes (default: that of their file)")
     parser.add_argument("--once", action="store_true", help="run every scene once")
     parser.add_argument("--scenes", default=f"0-{SCENES - 1}", help="numbers, such as 0-199 or 3,17")
     parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--try-harder", action="store_true", help="try harder where a scene stays open")
     parser.add_argument("--folder", type=Path, help="folder of all runs (default: crosscheck-verdicts- and the seed)")
-    parser.add_argument("--record", type=Path, default=GALLERY / "verdicts.json", help="the record; the page lies beside it")
+    parser.add_argument("--record", type=Path, help="the record; the page lies beside it (default: verdicts.json of the gallery)")
     parser.add_argument("--page", action="store_true", help="write the page alone")
     options = parser.parse_args()
+    family, is_generated = generated_scenes if options.generated else verdict_scenes, options.generated
+    options.seed = family.SEED if options.seed is None else options.seed
+    options.record = options.record or GALLERY / f"{'generated_' if is_generated else ''}verdicts.json"
     stored = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {}
-    record = {"seed": options.seed, "versions": {}, "scenes": {}} | stored
+    record = {"seed": options.seed, "versions": {}, "scenes": {}} | ({"generated": True} if is_generated else {}) | stored
     if record["seed"] != options.seed and not options.page:
         parser.error(f"{options.record} holds scenes of seed {record['seed']}, not of {options.seed}; name another file with --record")
-    todo = [] if options.page else [number for number in numbers(options.scenes) if str(number) not in record["scenes"]]
+    todo = [] if options.page else [number for number in numbers(options.scenes, family.SCENES) if str(number) not in record["scenes"]]
     folder, versions = options.folder or Path(f"crosscheck-verdicts-{options.seed}"), describe()
     with ProcessPoolExecutor(options.workers) as pool:
-        jobs = {pool.submit(measured, number, options.seed, folder, options.once, options.try_harder): number for number in todo}
+        jobs = {
+            pool.submit(measured, number, options.seed, folder, options.once, options.try_harder, is_generated): number for number in todo
+        }
         for done, job in enumerate(as_completed(jobs), 1):
             if job.exception() is not None:
                 pool.shutdown(wait=False, cancel_futures=True)  # else a fault would show only after all other scenes
@@ -231,13 +256,13 @@ def main() -> None:
         write_text(options.record.with_suffix(".md"), page(record))
 
 
-def numbers(text: str) -> list[int]:
-    """Return the numbers of a text such as "0-199" or "3,17,40-42"."""
+def numbers(text: str, total: int = SCENES) -> list[int]:
+    """Return the numbers below `total` of a text such as "0-199" or "3,17,40-42"."""
     found = []
     for part in text.split(","):
         low, _, high = part.partition("-")
         found += range(int(low), int(high or low) + 1)
-    return [number for number in dict.fromkeys(found) if 0 <= number < SCENES]
+    return [number for number in dict.fromkeys(found) if 0 <= number < total]
 
 
 if __name__ == "__main__":
