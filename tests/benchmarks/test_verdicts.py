@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import benchmark_verdicts
+import generated_scenes
 import pytest
 from benchmark_verdicts import apart, moved, numbers, page, values
 from judged_runs import REACTION
@@ -25,6 +26,15 @@ def test_a_scene_follows_from_its_number_alone(number: int) -> None:
     assert LEAST_BLOCKS <= int(first.scene.blocks.free.sum()) <= MOST_BLOCKS
     assert FRICTION[0] <= first.scene.friction <= FRICTION[1]
     assert assemble(first.scene).support_speed > 0.0
+
+
+@pytest.mark.parametrize("number", range(0, 120, 13))
+def test_a_generated_scene_follows_from_its_number_alone_and_is_what_it_is_called(number: int) -> None:
+    first = generated_scenes.drawn(number)
+    assert first.scene.text == generated_scenes.drawn(number).scene.text != generated_scenes.drawn(number, seed=1).scene.text
+    assert generated_scenes.LEAST_BLOCKS <= int(first.scene.blocks.free.sum()) <= generated_scenes.MOST_BLOCKS
+    assert first.kind.startswith("pushed") == (first.scene.live is not None)
+    assert assemble(first.scene).effects.plane == (first.kind not in ("vault", "dome", "corner", "pushed corner"))
 
 
 def test_kinds_and_motions_are_shared_evenly() -> None:
@@ -102,7 +112,7 @@ def test_an_agreement_is_run_again_unless_every_scene_runs_once(
 @pytest.mark.parametrize(("verdict", "compared", "released"), [("agree", 90.0, 0.45), ("agree", 100.0, None), ("disagree", 90.0, None)])
 def test_the_page_names_agreements_with_the_value_after_a_release(verdict: str, compared: float, released: float | None) -> None:
     """The prediction is 100 N, 0.5 of the weight; YADE's plateau 90 N."""
-    summary: dict[str, Any] = dict.fromkeys(("reason", "next_step", "unit"), "") | {"verdict": verdict, "weight": 200.0, "free_blocks": 9}
+    summary: dict[str, Any] = {"reason": "", "next_step": "", "unit": "N", "verdict": verdict, "weight": 200.0, "free_blocks": 9}
     summary |= {"limit_analysis": {"coulomb": {"reaction": 100.0, "uncertainty": 0.1}}, "yade": {"reaction": 90.0, "uncertainty": 0.1}}
     summary["checks"] = [{"name": "reaction within bounds", "limit_analysis": 1.0}, {"name": REACTION, "limit_analysis": compared}]
     found = values(summary)
@@ -111,6 +121,14 @@ def test_the_page_names_agreements_with_the_value_after_a_release(verdict: str, 
     text = page({"seed": 7, "versions": {}, "scenes": {"3": one}})
     assert ("; then 0.45 |" in text and "after a release (*then*): 3." in text) == (released is not None)
     assert apart(one) == (0.0 if released else pytest.approx(1.0 / 9.0))
+
+
+def test_a_pushed_structure_has_its_multiplier_in_place_of_the_share_of_its_weight() -> None:
+    summary: dict[str, Any] = {"reason": "", "next_step": "", "unit": "", "verdict": "agree", "weight": 200.0, "free_blocks": 9}
+    both = {"multiplier": 0.4, "uncertainty": 0.01}
+    summary |= {"limit_analysis": {"coulomb": both}, "yade": both | {"reaction": None}, "checks": []}
+    found = values(summary)
+    assert [found[key] for key in ("coulomb", "coulomb_uncertainty", "yade", "yade_uncertainty")] == [0.4, 0.01, 0.4, 0.01]
 
 
 @pytest.mark.parametrize("record", RECORDS, ids=lambda path: path.stem)
