@@ -55,7 +55,8 @@ class Check:
         Value from YADE, in `unit`. None where it does not exist.
     difference : float or None
         YADE's value minus the reference, in `unit`. None where one of them does not exist. In a check of a value that the
-        scene expects, where `yade` is None: the expected value minus that of limit analysis.
+        scene expects, where `yade` is None: the expected value minus that of limit analysis. In the check of the moving blocks:
+        the share of the mass that moves in one method only.
     tolerance : float or None
         Largest accepted size of the difference, in `unit`. None where the check has no tolerance.
     unit : str
