@@ -34,7 +34,7 @@ from comparison.yade import installation
 from la_core.analysis import one_pass, stage
 from la_core.analysis.case_file import write_case
 from la_core.coulomb import interval, predict
-from la_core.coulomb.path import elastic_joints, quasi_static_path, tangent
+from la_core.coulomb.path import elastic_joints, quasi_static_path, rest, tangent
 from la_core.limit import associated, conic
 from la_core.limit.problem import Drive
 from la_core.model import assembly, joints
@@ -60,7 +60,12 @@ DRIVER_ORDER = 100  # place of the driver's measurements among the sizes
 ROUNDS = 2  # of a run with the driver and one without
 REPEATS, ENOUGH = 5, 2.0  # times one size is solved; seconds after which it is not solved again
 STEPS = 100_000  # of YADE times blocks, timed to know what one step costs
-SOLVER = {"conversion": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve"), "steps": (quasi_static_path, "advance")}
+SOLVER = {
+    "conversion": (conic.Programme, "__init__"),
+    "solve": (conic.Programme, "solve"),
+    "steps to rest": (rest, "advance"),
+    "steps": (quasi_static_path, "advance"),
+}
 BUILD = {
     "scene": (scenes, "build"),
     "assembly": (assembly, "assemble"),

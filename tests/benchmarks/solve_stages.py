@@ -43,6 +43,7 @@ def main() -> int:
     from la_core.analysis import case_file, stage
     from la_core.coulomb import certificate, followed_path
     from la_core.coulomb.path import quasi_static_path
+    from la_core.coulomb.path import rest as path_to_rest
     from la_core.limit import associated, conic
     from la_core.model import assembly
 
@@ -56,6 +57,7 @@ def main() -> int:
         (stage, "structural_model", "model"),
         (conic.Programme, "__init__", SOLVER),
         (conic.Programme, "solve", SOLVER),
+        (path_to_rest, "advance", SOLVER),
         (quasi_static_path, "advance", SOLVER),
         (certificate, "certify", "evidence"),
         (associated, "_with_evidence", "evidence"),

@@ -1,5 +1,7 @@
 """What the benchmark of growth computes from its measurements, and that the driver's work is bounded by its rows, not by YADE's steps."""
 
+import importlib
+import pkgutil
 from pathlib import Path
 from subprocess import TimeoutExpired
 
@@ -10,6 +12,9 @@ import numpy as np
 import pytest
 import scenes
 
+from la_core.coulomb import path
+from la_core.coulomb.path import implicit_step
+
 SIZES = (60, 120, 250, 500, 1000, 2000, 5000)
 NOISE = 0.05  # relative standard deviation of a measurement, as that of CPU seconds on a busy machine
 DRAWS = 400
@@ -17,6 +22,14 @@ BIAS = 4.0 / np.sqrt(DRAWS)  # standard errors of a mean over the draws, four of
 SAME_SPREAD = 0.25  # between the errors stated and the scatter seen: 5 sizes leave an error known to some 40 %, 400 draws to far less
 EXACT = 1e-12  # round-off
 WHOLE_TRAVEL = {"stop_uncertainty": 1e-9}  # of a run in YADE: no reaction is known so well that it would stop earlier
+
+
+def test_every_step_of_a_path_counts_as_the_solver_s() -> None:
+    """The steps to rest counted as none, since they moved to a module of their own."""
+    modules = [importlib.import_module(f"{path.__name__}.{module.name}") for module in pkgutil.iter_modules(path.__path__)]
+    stepping = {module.__name__ for module in modules if hasattr(module, "advance")} - {implicit_step.__name__}
+    counted = {owner.__name__ for owner, name in benchmark_growth.SOLVER.values() if name == "advance"}
+    assert counted == stepping
 
 
 def noisy(exponent: float, seed: int) -> list[float]:
