@@ -7,6 +7,7 @@ import numpy as np
 
 from comparison.judge.checks import next_steps
 from comparison.judge.checks.energy import check_energy
+from comparison.judge.checks.prediction import FELL
 from comparison.judge.checks.reaction import check_prediction
 from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.checks.sections import check_sections
@@ -78,11 +79,14 @@ def _check_standing(results: Results) -> Check:
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
     came = "finds an equilibrium" if analysis.main_answer.status is Status.SOLVED else f"ended as {bound.status}"
+    reason = f"Limit analysis {came}, but {outcome} ({run.result.message})."
+    if analysis.coulomb is not None and analysis.coulomb.status is Status.FAILED and run.status == "collapsed":
+        reason = f"In both methods {FELL}: the path of limit analysis comes to no plateau, and {outcome} ({run.result.message})."
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
     step = next_steps.for_a_thrust(results.scene)
     if _stood_at_rest(results):
         slides, step = f" {SLIPPED}", next_steps.SLOWER_RUN
-    return Check(name, Verdict.INCONCLUSIVE, reason=f"Limit analysis {came}, but {outcome} ({run.result.message}).{slides}", next_step=step)
+    return Check(name, Verdict.INCONCLUSIVE, reason=reason + slides, next_step=step)
 
 
 def _stood_at_rest(results: Results) -> bool:
