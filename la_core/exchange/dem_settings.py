@@ -15,14 +15,49 @@ UNBALANCED = 0.02  # of the mean block weight: mean unbalanced force above which
 JUMP = 25.0  # times the mean unbalanced force of blocks that rattle: the unbalanced force of one jump
 PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
-# Settings of a YADE run that a case file may contain in `scene/settings`; `yade_scripts.settings` explains each.
-SETTINGS = (
-    "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
-    "settling_step", "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_ramp",
-    "gravity_time", "rest_unbalanced", "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty",
-    "plateau_drift", "stop_uncertainty", "reaction_floor", "settings_uncertainty", "threads", "time_limit", "stiffening",
-    "least_stiffening", "plateau_share", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
-)  # fmt: skip
+# Settings of a YADE run that a case file may contain in `scene/settings`, and their meaning, which `yade_scripts.settings` says, too.
+SETTING_MEANINGS = {
+    "normal_stiffness": "of one contact point, along the joint's normal",
+    "shear_stiffness": "of one contact point, across the joint's normal",
+    "damping_ratio": "share of the critical damping of a block on four contacts",
+    "normal_damping": "viscosity of one contact point along the normal",
+    "shear_damping": "viscosity of one contact point across the normal",
+    "time_step_share": "time step over the largest stable one",
+    "time_step": "time step while the structure comes to rest",
+    "settling_step": "time step after rest: there is no local damping, and a longer step is stable",
+    "sphere_radius": "radius of the sphere at a contact point, less than the inset",
+    "max_travel": "largest motion of the support",
+    "travel_periods": "duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway",
+    "speed": "speed of the support",
+    "ramp_time": "duration of the cosine ramp to full speed",
+    "wedging": "motion of the support against its settlement before gravity acts; gives a flat arch its thrust",
+    "gravity_damping": "coefficient of YADE's local damping while the structure comes to rest",
+    "gravity_ramp": "duration of the cosine ramp of weights and dead loads",
+    "gravity_time": "longest time to come to rest",
+    "rest_unbalanced": "unbalanced force over the mean block weight that counts as rest",
+    "rest_energy": "kinetic energy that counts as rest",
+    "fall_speed": "speed beyond which a free block counts as falling",
+    "record_rows": "rows of the record over the full travel",
+    "poses": "states stored with displacements and contact forces",
+    "plateau_travel": "least travel before the run may stop on a plateau",
+    "plateau_uncertainty": "largest uncertainty of a plateau, as a share of the reaction",
+    "plateau_drift": "largest change of the fitted line over a plateau, as a share of the reaction",
+    "stop_uncertainty": "uncertainty, as a share of the reaction, below which the run stops early",
+    "reaction_floor": "share of the reaction at rest; a smaller reaction is judged as if it were this large",
+    "settings_uncertainty": "share of the reaction by which stiffness, speed and time step may shift the reaction",
+    "threads": "threads of YADE; with more than one, two runs differ in their last digits",
+    "time_limit": "longest wall time of the run",
+    "stiffening": "stiffness of the joints over that in the case: more travel over the sag",
+    "least_stiffening": "stiffening with which one travel is as many sags as the plateau takes; more shows the plateau earlier",
+    "plateau_share": "least share of the travel before the run may stop on a plateau",
+    "rattling": "mean unbalanced force over the mean block weight, above which blocks rattle",
+    "quick_speed": "speed of the first, quick attempt over that of the run, to measure the effect of the speed; 0 for none",
+    "servo_frequency": "of the servo of a live load, over the frequency of the structure as it sags under its weights",
+    "servo_damping": "damping ratio of the servo of a live load",
+    "added_mass": "share of the free blocks' mass that the inertia of the fastest blocks gains; 0 for their true inertia",
+    "swing_damping": "damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none",
+}
+SETTINGS = tuple(SETTING_MEANINGS)
 # Their units, of those that have one; a support moves in m, or turns in rad.
 SETTING_UNITS = {
     **dict.fromkeys(("normal_stiffness", "shear_stiffness"), "N/m"),
@@ -56,8 +91,9 @@ def broken_rule(name: str, value: Any) -> str:
 
 
 def json_rules(name: str) -> dict[str, Any]:
-    """Return the rules of `broken_rule` for a setting of YADE, as JSON Schema has them."""
-    rules: dict[str, Any] = {"type": "integer" if name in _WHOLE else "number"}
+    """Return the meaning and the unit of a setting of YADE, and the rules of `broken_rule`, as JSON Schema has them."""
+    rules: dict[str, Any] = {"type": "integer" if name in _WHOLE else "number", "description": SETTING_MEANINGS[name]}
+    rules |= {"unit": SETTING_UNITS[name]} if name in SETTING_UNITS else {}
     rules |= {"minimum": 0} if name in _MAY_VANISH else {"exclusiveMinimum": 0}
     return rules | ({"exclusiveMaximum": 1} if name in _BELOW_ONE else {})
 

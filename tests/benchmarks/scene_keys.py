@@ -99,7 +99,8 @@ def yade_part() -> Iterator[str]:
     for name, comment in comments.items():
         unit = exchange.SETTING_UNITS.get(name, "")
         assert comment.startswith(f"{unit}, " if unit else ""), f"{name}: its comment begins with another unit than {unit}"
-        meaning = comment.removeprefix(unit).removeprefix(",").strip()
+        meaning = exchange.SETTING_MEANINGS[name]
+        assert comment.removeprefix(unit).removeprefix(",").strip() == meaning, f"{name}: its comment has another meaning than the schema"
         rows.append(f"| `{name}` | {unit} | {defaults.get(name, 'derived')} | {meaning} |")
     source_of_defaults = "../../yade_scripts/README.md#settings-and-where-they-come-from"
     yield f"Settings of YADE in place of derived ones; [how they are derived]({source_of_defaults})."

@@ -128,10 +128,18 @@ def test_the_schema_has_the_rules_of_yades_settings(value: float) -> None:
 
 def test_every_key_of_the_schema_has_a_meaning_and_its_unit() -> None:
     schema = scene_schema()
-    for table in (schema, *schema["$defs"].values()):
+    for table in (schema, schema["properties"]["yade"], *schema["$defs"].values()):
         for key, entry in table["properties"].items():
             assert entry["description"], key
             assert not entry.get("unit") or entry["description"].endswith(f"({entry['unit']})")
+
+
+def test_the_settings_of_yade_are_a_table_like_any_other(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", "[yade]"]) == 0
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in SETTINGS) and "speed of the support (m/s or rad/s)" in " ".join(listed.split())
+    assert main(["schema", "yad"]) == 2
+    assert 'did you mean "yade"?' in capsys.readouterr().err
 
 
 def test_the_keys_of_one_table_are_listed_with_meaning_default_and_choices(capsys: pytest.CaptureFixture[str]) -> None:

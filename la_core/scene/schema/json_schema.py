@@ -15,7 +15,7 @@ def scene_schema() -> dict[str, Any]:
         "properties": {name: json_rules(name) for name in SETTINGS},
         "additionalProperties": False,
     }
-    for table in (schema, *schema["$defs"].values()):
+    for table in (schema, schema["properties"]["yade"], *schema["$defs"].values()):
         for entry in table["properties"].values():
             if unit := entry.get("unit"):
                 entry["description"] = f"{entry['description']} ({unit})"
@@ -28,6 +28,8 @@ def part_of_schema(name: str) -> dict[str, Any] | None:
     A table within a table is named by its key. Of two tables with one key the first is meant.
     """
     schema = scene_schema()
+    if name == "yade":  # its settings stand in the schema itself
+        return dict(schema["properties"]["yade"])
     tables = [schema, *schema["$defs"].values()]
     entries = (table["properties"][name] for table in tables if name in table["properties"])
     reference = next((found for entry in entries if (found := _reference(entry)) is not None), None)
@@ -38,7 +40,10 @@ def tables_of_schema() -> list[str]:
     """Keys of all tables of a scene file, each once, those at the top first."""
     schema = scene_schema()
     keys = [
-        key for table in (schema, *schema["$defs"].values()) for key, entry in table["properties"].items() if _reference(entry) is not None
+        key
+        for table in (schema, *schema["$defs"].values())
+        for key, entry in table["properties"].items()
+        if key == "yade" or _reference(entry) is not None
     ]
     return list(dict.fromkeys(keys))
 
