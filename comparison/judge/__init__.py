@@ -3,7 +3,7 @@
 from comparison.judge import requested_accuracy
 from comparison.judge.checks.answer import check_answer, check_expected
 from comparison.judge.checks.curves import compare_curves
-from comparison.judge.checks.next_steps import REPAIR_YADE
+from comparison.judge.checks.next_steps import for_a_failed_run
 from comparison.judge.checks.prediction import slides_unforeseen
 from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.checks.run_checks import check_run
@@ -25,7 +25,6 @@ __all__ = [
     "FLOOR",
     "LEAST_REACTION",
     "METHODS",
-    "REPAIR_YADE",
     "UNCERTAIN",
     "answer_of",
     "answer_of_text",
@@ -40,6 +39,7 @@ __all__ = [
     "comparison_summary",
     "conclusion_of",
     "effects_summary",
+    "for_a_failed_run",
     "limit_analysis_summary",
     "limit_analysis_values",
     "requested_accuracy",

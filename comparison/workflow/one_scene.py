@@ -10,11 +10,11 @@ from typing import Any
 
 from comparison import provenance
 from comparison.judge import (
-    REPAIR_YADE,
     check_answer,
     check_expected,
     check_run,
     comparison_summary,
+    for_a_failed_run,
     requested_accuracy,
     without_run,
     without_undefined,
@@ -222,7 +222,7 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
         return check_run(results)
     if outcome.yade is not None:
         reason = str(outcome.yade["message"]).splitlines()[0]
-        step = INSTALL_YADE if outcome.yade["status"] == "missing" else REPAIR_YADE
+        step = INSTALL_YADE if outcome.yade["status"] == "missing" else for_a_failed_run(reason)
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
     return list(check_answer(results.analysis))
 

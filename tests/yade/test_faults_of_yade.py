@@ -13,6 +13,7 @@ from faulty_runs import TOOL, Fake, answer, one_message, unfinished
 from comparison.cli.commands import main
 from comparison.settings import SYSTEM_PYTHON
 from comparison.yade import installation, process
+from la_core.scene import shipped
 
 DEATHS = {
     "killed": ("kill -KILL $$", "SIGKILL"),
@@ -52,6 +53,17 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     monkeypatch.delenv("CROSSCHECK_YADE_PYTHON")
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
     assert answer(copy) == answer(undisturbed)
+
+
+@pytest.mark.yade
+def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(tmp_path: Path, plain_figures: None) -> None:
+    """`crosscheck doctor` finds nothing wrong with YADE then."""
+    scene = tmp_path / "two_pads.toml"
+    scene.write_text(shipped.find("two_pads").read_text(encoding="utf-8") + "\n[yade]\ntime_step = 1e-3\n", encoding="utf-8")
+    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "-q"]) == TOOL
+    said = answer(tmp_path / "out")
+    assert "time_step is 0.001 s; it must be at most" in said["reason"]
+    assert "[yade]" in said["next_step"] and "doctor" not in said["next_step"]
 
 
 def test_an_interpreter_that_is_not_there_is_named_with_its_setting_and_every_scene_is_told(

@@ -25,6 +25,7 @@ BOUNDS = "Work with the bounds: they hold for every history of friction, the int
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
+CHANGE_SETTING = "Change this key of the scene's [yade] table, or leave it out, so that it is derived; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
@@ -56,6 +57,11 @@ def without_value(analysis: LimitAnalysis) -> str:
     effects = analysis.scene.effects
     left_out = MODEL_SLIDING if effects.friction in ("associated", "none-slides") else MODEL_STRAIN if effects.elasticity == "none" else ""
     return f"{OTHER_DIRECTION}. {left_out}".rstrip()
+
+
+def for_a_failed_run(reason: str) -> str:
+    """Return what to do where YADE's process failed for this reason: a setting of the scene may be one that this structure refuses."""
+    return CHANGE_SETTING if "scene/settings: " in reason else REPAIR_YADE
 
 
 def for_a_thrust(scene: Scene) -> str:
