@@ -22,6 +22,7 @@ INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of i
 # goes to a further attempt, because the two speeds then differ too much.
 FASTEST, FAST_ACCURACY = 8.0, 0.01
 STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
+FIT_SHARE = 0.5  # of the accuracy: a slower run stops as early if the fitted plateau takes no more, because it costs far less travel
 LOOSEST_STOP = 0.002  # the same of runs with history, at most: two loosely known plateaus seem to differ by their speed
 SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
 MOST_ATTEMPTS = 4
@@ -111,7 +112,10 @@ def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
         return None
     if attempt.seconds * slower > limit:
         return None
-    settings = {"travel_periods": slower * periods, "stop_uncertainty": attempt.settings["stop_uncertainty"] / slower}
+    stop = attempt.settings["stop_uncertainty"]
+    if not attempt.parts[FIT] <= FIT_SHARE * record.asked:  # NaN without a plateau
+        stop /= slower
+    settings = {"travel_periods": slower * periods, "stop_uncertainty": stop}
     settings = record.settings | _left_open(scene, settings)
     return replace(analysis, accuracy=replace(record, yade=(*record.yade, attempt), settings=settings))
 

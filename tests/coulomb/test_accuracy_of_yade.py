@@ -77,6 +77,19 @@ def test_a_run_that_misses_is_slower_by_as_much_as_it_misses_and_knows_its_plate
     assert after["stop_uncertainty"] == pytest.approx(before["stop_uncertainty"] / expected)
 
 
+@pytest.mark.parametrize(("uncertainty", "tighter"), [(0.0009, 1.0), (0.0011, 2.0)])
+def test_a_slower_run_stops_as_early_where_its_fit_takes_at_most_half_of_the_accuracy(uncertainty: float, tighter: float) -> None:
+    """Else the wall at 0.1 % went on over all of its travel, for a fit that had been good enough."""
+    analysis = made_up("two_blocks", 0.002)
+    results = Results(analysis, run_of(analysis, uncertainty=uncertainty, periods=0.5 * TRAVEL_PERIODS))  # too fast for friction's history
+    slower = accuracy_settings.slower_settings(results, LIMIT)
+    assert slower is not None and slower.accuracy is not None and analysis.accuracy is not None
+    before, after = analysis.accuracy.settings, slower.accuracy.settings
+    factor = after["travel_periods"] / (0.5 * TRAVEL_PERIODS)
+    assert factor >= 2.0
+    assert after["stop_uncertainty"] == pytest.approx(before["stop_uncertainty"] / (factor if tighter > 1.0 else 1.0))
+
+
 def test_a_run_that_ran_out_of_time_is_not_repeated_slower() -> None:
     analysis = made_up("two_pads")
     assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT) is not None
