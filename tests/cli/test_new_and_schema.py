@@ -157,6 +157,15 @@ def test_the_keys_of_one_table_are_listed_with_meaning_default_and_choices(capsy
     assert 'did you mean "wall"?' in capsys.readouterr().err
 
 
+def test_what_a_table_is_breaks_between_words_at_the_width_that_is_asked_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for name in tables_of_schema():
+        assert main(["schema", name]) == 0
+        assert all(len(line) <= 80 for line in capsys.readouterr().out.splitlines()), name
+
+
 @pytest.mark.parametrize(
     "words", ["show two_pads -o no/x.png", "solve two_pads -o no/x.png", "sensitivity two_pads -o no/x.pdf", "new wall -o no/x.toml"]
 )

@@ -24,7 +24,7 @@ def execute(context: Context) -> int:
         context.print_json(table)
     else:
         if "description" in table:
-            context.out.print(" ".join(table["description"].split()), markup=False)
+            context.tell(" ".join(table["description"].split()))
         context.table(keys_table(table))
     return AGREE
 
