@@ -89,9 +89,11 @@ def _loads(facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
     for load in facts.get("loads") or ():
         force = ", ".join(units.text(part, "N", 4) for part in load["force"])
         mass = f", {_given(load['mass'])} kg" if exists(load["mass"]) else ""
-        yield f"dead load {load['name']} (x, y, z)", f"({force}) on {plural(load['blocks'], 'block')}{mass}"
+        place = f", resultant through {_point(load['point'])} m" if load.get("point") else ""  # older results have none
+        yield f"dead load {load['name']} (x, y, z)", f"({force}) on {plural(load['blocks'], 'block')}{mass}{place}"
     for tie in facts.get("ties") or ():
-        yield f"tie {tie['name']}, tension", f"{units.text(tie['tension'], 'N', 4)}, between {' and '.join(tie['between'])}"
+        place = f", from {' to '.join(f'{_point(end)} m' for end in tie['ends'])}" if tie.get("ends") else ""
+        yield f"tie {tie['name']}, tension", f"{units.text(tie['tension'], 'N', 4)}, between {' and '.join(tie['between'])}{place}"
 
 
 def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:

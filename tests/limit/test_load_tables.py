@@ -1,6 +1,7 @@
 """Tables of loads, ties and classes of joints: mistakes are named with their lines, and a user sees what they mean."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -78,7 +79,9 @@ def test_show_lists_and_draws_loads_ties_and_classes_of_joints(tmp_path: Path, c
     floor, beam = facts["loads"]
     assert (floor["name"], floor["mass"], floor["blocks"]) == ("floor", pytest.approx(250.0 * 3.6), 7)
     assert (beam["force"], beam["mass"], beam["blocks"]) == ([0.0, 0.0, -1500.0], None, 1)
-    assert facts["ties"] == [{"name": "rod", "tension": 2000.0, "length": pytest.approx(3.6), "between": ["wall 5.1", "wall 5.6"]}]
+    (rod,) = facts["ties"]
+    assert (rod["name"], rod["tension"], rod["between"]) == ("rod", 2000.0, ["wall 5.1", "wall 5.6"])
+    assert rod["length"] == pytest.approx(3.6) == math.dist(*rod["ends"])
     assert facts["joint_classes"] == [{"joints": "footing", "between": None, "friction": 0.5, "interfaces": 6}]
     scene = load_scene(path)
     figure = assembly_figure(scene, assemble(scene))
@@ -97,7 +100,8 @@ def test_the_inputs_of_a_report_list_loads_ties_and_classes_of_joints() -> None:
         "densities": [], "gravity": [0.0, 0.0, -9.81], "friction": [0.5, 0.6], "inset": 1e-3,
     }  # fmt: skip
     rows = dict(input_rows({"structure": facts, "weight": scene.weight}, Units(scene.weight)))
-    assert rows["dead load floor (x, y, z)"].endswith("on 7 blocks, 900 kg")
-    assert rows["tie rod, tension"].endswith("between wall 5.1 and wall 5.6")
+    assert rows["dead load floor (x, y, z)"].endswith("on 7 blocks, 900 kg, resultant through (1.8, 0.2, 1.8) m")
+    assert rows["dead load roof beam (x, y, z)"].endswith("on 1 block, resultant through (1.4, 0.2, 1.8) m")
+    assert rows["tie rod, tension"].endswith("between wall 5.1 and wall 5.6, from (0, 0.2, 1.35) m to (3.6, 0.2, 1.35) m")
     assert rows["friction coefficient of footing joints"] == "0.5"
     assert "weight of the free blocks and the loads on them, W" in rows

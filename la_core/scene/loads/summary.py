@@ -14,7 +14,7 @@ MOST_NAMES = 12  # of supports that move alike
 
 
 def loads_as_dicts(loads: PointForces, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Each load with its sum: `name`, `force` (3 components, N), `mass` (kg; None for a force), number of `blocks`.
+    """Each load with its sum: `name`, `force` (3 components, N), `mass` (kg; None for a force), number of `blocks`, `point` of the sum (m).
 
     names: of the tables, in their order.
     """
@@ -23,18 +23,19 @@ def loads_as_dicts(loads: PointForces, names: Sequence[str]) -> list[dict[str, A
         own = loads.table == number
         mass = float(loads.mass[own].sum())
         force = loads.force[own].sum(axis=0).tolist()
-        rows.append({"name": name, "force": force, "mass": mass or None, "blocks": len(np.unique(loads.block[own]))})
+        point = np.average(loads.point[own], axis=0, weights=np.abs(loads.force[own]).sum(axis=1)).tolist()  # they are parallel
+        rows.append({"name": name, "force": force, "mass": mass or None, "blocks": len(np.unique(loads.block[own])), "point": point})
     return rows
 
 
 def ties_as_dicts(ties: Ties | None, blocks: Sequence[str]) -> list[dict[str, Any]]:
-    """Each tie: `name`, `tension` (N), `length` (m), and `between`, the names of its two ends. blocks: names of all blocks."""
+    """Each tie: `name`, `tension` (N), `length` (m), `ends` (two points, m), and `between`, the names at them. blocks: all names."""
     if ties is None:
         return []
     lengths = np.linalg.norm(ties.ends[:, 1] - ties.ends[:, 0], axis=1)
     ends = [["ground" if end == GROUND else blocks[end] for end in pair] for pair in ties.block.tolist()]
     return [
-        {"name": name, "tension": float(ties.tension[k]), "length": float(lengths[k]), "between": ends[k]}
+        {"name": name, "tension": float(ties.tension[k]), "length": float(lengths[k]), "between": ends[k], "ends": ties.ends[k].tolist()}
         for k, name in enumerate(ties.names)
     ]
 
