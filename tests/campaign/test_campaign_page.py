@@ -199,6 +199,15 @@ def test_the_report_shows_the_uncertainty_of_a_prediction_where_it_is_stated(tmp
         assert text.count(" ± 0.003") == text.count("one of 2 plateaus") == 1
 
 
+def test_words_for_a_head_that_a_campaign_s_page_does_not_have_are_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = campaign(tmp_path / "one", "one case")
+    write_campaign(table)
+    assert main(["report", str(table.folder), "-q", "--title", "Town hall", "--author", "A. Mason"]) == 0
+    assert "warning: --title, --author: without effect" in capsys.readouterr().err
+    assert main(["report", str(table.folder), "-q"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_report_on_a_campaign_s_folder_writes_its_report_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = campaign(tmp_path / "one", "one case")
     write_campaign(table)

@@ -10,7 +10,7 @@ from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import ASK_OWNER, FolderInUseError
 from comparison.progress import Narration
-from comparison.run_folder import DEFINITION, alone_in, is_writable
+from comparison.run_folder import DEFINITION, HEAD, alone_in, is_writable
 from comparison.workflow import report_again
 from comparison.yade import among_results
 from la_core.errors import SceneError
@@ -30,6 +30,10 @@ def execute(context: Context) -> int:
         if (folder := _run_folder(named)) == named or folder not in folders:  # scenes of one run have one report
             folders.append(folder)
     if any(map(is_campaign, folders)):
+        if given := [f"--{name}" for name in HEAD if getattr(context.options, name) is not None]:
+            context.warn_of(
+                ", ".join(given), "without effect: the page of a campaign has the title of the campaign file, and no other head"
+            )
         return report_campaigns(context)
     reports: list[tuple[Path, list[dict[str, Any]]]] = []
     broken, left_out = AGREE, dict[Path, list[str]]()
