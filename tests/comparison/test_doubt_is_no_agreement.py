@@ -66,6 +66,18 @@ def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: fl
     assert check.verdict is verdict and check.reason.startswith("Limit analysis states an uncertainty")
 
 
+@pytest.mark.parametrize(("share", "verdict"), [(0.049, Verdict.AGREE), (0.051, Verdict.INCONCLUSIVE), (0.22, Verdict.INCONCLUSIVE)])
+@pytest.mark.parametrize("method", ["limit analysis", "YADE"])
+def test_a_value_that_is_hardly_known_agrees_with_nothing(wall: LimitAnalysis, method: str, share: float, verdict: Verdict) -> None:
+    """A facade had "YADE 0.15 ± 0.03" and "agree": YADE's two attempts were 9 % apart, and the second met the prediction."""
+    value = coulomb_of(wall).value
+    is_yade = method == "YADE"
+    analysis, run = (wall, share * value) if is_yade else (stating(wall, share), 0.0)
+    check = named(REACTION, judged(analysis, coulomb_run(wall, uncertainty=run)))
+    assert check.verdict is verdict and "agree within the floor of the tolerance alone" in check.reason
+    assert (method in check.next_step or "YADE more slowly" in check.next_step) == (verdict is Verdict.INCONCLUSIVE)
+
+
 @pytest.mark.parametrize(
     ("asked", "off", "verdict"),
     [

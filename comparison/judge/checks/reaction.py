@@ -11,7 +11,16 @@ from comparison.judge.checks.curves import earlier_agreement
 from comparison.judge.checks.friction_state import check_friction_state, check_steadiness
 from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
 from comparison.judge.checks.prediction import Prediction, predicted
-from comparison.judge.checks.tolerances import UNCERTAIN, Unsure, floor, least_reaction, reaction_tolerance, unbalanced, unsure_methods
+from comparison.judge.checks.tolerances import (
+    MOST_UNCERTAIN,
+    UNCERTAIN,
+    Unsure,
+    floor,
+    least_reaction,
+    reaction_tolerance,
+    unbalanced,
+    unsure_methods,
+)
 from comparison.numbers import format_number, percent, settlement_text, with_uncertainty
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
@@ -101,12 +110,15 @@ def _check_release(results: Results, prediction: Prediction, check: Check, befor
 def _unsure_check(results: Results, check: Check, unsure: list[Unsure], prediction: Prediction) -> Check:
     """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree.
 
-    The uncertainty of limit analysis may come from several plateaus: finer paths may join them, and where they do not, they are the answer.
+    Where a value is known to no better than MOST_UNCERTAIN, nothing does. The uncertainty of limit analysis may come from several plateaus:
+    finer paths may join them, and where they do not, they are the answer.
     """
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
-        alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone."
-        return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}")
+        alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone"
+        if all(one.share <= MOST_UNCERTAIN for one in unsure):
+            return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}.")
+        reason = f"{reason} {alike}, which decides up to an uncertainty of {percent(MOST_UNCERTAIN)}."
     if unsure[0].method != "limit analysis":
         return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.SLOWER_RUN)
     other = "" if prediction.next_step == next_steps.FINER_PATHS else prediction.next_step

@@ -18,6 +18,7 @@ from la_core.model import Assembly
 FLOOR = 5e-3
 # Of the reaction: where a method states more, the floor alone counts; twice the floor, so that the floor still matters.
 UNCERTAIN = exchange.UNCERTAIN
+MOST_UNCERTAIN = 0.05  # of the reaction: a value that is known no better agrees with nothing, however near another one lies
 LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
 UNBALANCED = exchange.UNBALANCED  # of the mean block weight: inertia and damping of a quasi-static run
 
