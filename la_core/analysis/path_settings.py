@@ -10,10 +10,10 @@ from la_core.coulomb import FLAT, STIFFER, CoulombSolution, plateau_of
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-# Of the value's size: a curve that stays this near to its end has settled, for any run and for a long one. YADE states as much for its
+# Of the value's size: a curve that stays this near to its end is steady, for any run and for a long one. YADE states as much for its
 # settings.
-SETTLED, SETTLED_OF_LONG_RUN = 1e-3, 5e-3
-# Of the way so far: a curve that leaves this band for no more has jumped, and is settled for a long run. On a wall of 1,008 blocks a
+STEADY, STEADY_OF_LONG_RUN = 1e-3, 5e-3
+# Of the way so far: a curve that leaves this band for no more has jumped, and is steady for a long run. On a wall of 1,008 blocks a
 # jump of 0.0006 travels, at four travels, doubled the time of its run.
 JUMPS = 0.01
 
@@ -32,9 +32,9 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
     coulomb = _long_path(analysis)
     if coulomb is None:
         return {}
-    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY * scale(analysis))
     stiffening = min(STIFFENING_PER_TRAVEL * _flat_after(analysis, coulomb), MOST_STIFFENING)
-    return {"least_stiffening": stiffening} | _share(settled, stiffening)
+    return {"least_stiffening": stiffening} | _share(steady, stiffening)
 
 
 def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
@@ -47,9 +47,9 @@ def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
     coulomb = _long_path(analysis)
     if coulomb is None or analysis.scene.accuracy is not None:
         return {}
-    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED_OF_LONG_RUN * scale(analysis), JUMPS)
-    stiffening = min(STIFFENING_PER_TRAVEL * max(settled, 1.0), MOST_STIFFENING)
-    return {"least_stiffening": stiffening, "settings_uncertainty": SETTLED_OF_LONG_RUN} | _share(settled, stiffening)
+    steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY_OF_LONG_RUN * scale(analysis), JUMPS)
+    stiffening = min(STIFFENING_PER_TRAVEL * max(steady, 1.0), MOST_STIFFENING)
+    return {"least_stiffening": stiffening, "settings_uncertainty": STEADY_OF_LONG_RUN} | _share(steady, stiffening)
 
 
 def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
@@ -61,29 +61,29 @@ def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
 
 
 def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
-    """Return the travels, 1, 2, 4 and so on, after which the curve was flat and settled at its last value; all of them where it never was.
+    """Return the travels, 1, 2, 4 and so on, after which the curve was flat and steady at its last value; all of them where it never was.
 
     A path goes on beyond a flat curve where a contact point is about to change its state. Where that changed nothing, YADE need not follow.
     """
-    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY * scale(analysis))
     travels, values = coulomb.path_settlement / analysis.stiffness.travel, coulomb.path_value / scale(analysis)
     end = 1.0
     while end < coulomb.travel:
         way = travels <= end
         found = plateau_of(travels[way], values[way], end, values[way][-1])
-        if end >= settled and found.is_flat and abs(found.value - coulomb.value / scale(analysis)) <= FLAT:
+        if end >= steady and found.is_flat and abs(found.value - coulomb.value / scale(analysis)) <= FLAT:
             return end
         end *= 2.0
     return coulomb.travel
 
 
-def _share(settled: float, stiffening: float) -> dict[str, float]:
-    """Return the share of a run's travel before it may stop, where the usual one is less. settled: travels of the path."""
-    share = min(settled / stiffening / exchange.LATEST_START, 1.0)
+def _share(steady: float, stiffening: float) -> dict[str, float]:
+    """Return the share of a run's travel before it may stop, where the usual one is less. steady: travels of the path."""
+    share = min(steady / stiffening / exchange.LATEST_START, 1.0)
     return {"plateau_share": share} if share > exchange.PLATEAU_SHARE else {}
 
 
-def _settled_after(coulomb: CoulombSolution, travel: float, near: float, jumps: float = 0.0) -> float:
+def _steady_after(coulomb: CoulombSolution, travel: float, near: float, jumps: float = 0.0) -> float:
     """Return the travels after which a path stays `near` its value (N, N m, multiplier); 0 where it always does.
 
     What comes after a plateau that the curve leaves does not count.

@@ -21,7 +21,7 @@ from comparison.workflow import run_scene
 from la_core.analysis import LimitAnalysis, analyse
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.rest import settled
+from la_core.coulomb.path.rest import rest_from
 from la_core.coulomb.path.tangent import Tangent
 from la_core.limit import Status
 
@@ -58,7 +58,7 @@ def main() -> None:
 def _rests_at_once(analysis: LimitAnalysis) -> bool:
     """Whether the blocks come to rest where all the weight acts at once."""
     joints = ElasticJoints(analysis.assembly, analysis.stiffness)
-    return settled(joints, Tangent(joints), State(0.0, np.zeros_like(joints.weights), joints.laid), 0.0)[0] is not None
+    return rest_from(joints, Tangent(joints), State(0.0, np.zeros_like(joints.weights), joints.laid), 0.0)[0] is not None
 
 
 if __name__ == "__main__":

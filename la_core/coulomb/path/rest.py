@@ -50,15 +50,17 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
     laid = State(-wedging, np.zeros_like(joints.weights), joints.laid)
     laid = replace(laid, joints=replace(joints.laid, displacement=joints.displacement(laid.blocks, -wedging)))
     farthest = FALLEN if smoothing > 0.0 else np.inf  # smooth joints have no other sign that a block falls
-    state, iterations = settled(joints, tangent, laid, smoothing, farthest)
+    state, iterations = rest_from(joints, tangent, laid, smoothing, farthest)
     if state is None:
         grown, more = _under_growing_weights(joints, tangent, laid, smoothing)
-        state, last = (None, 0) if grown is None else settled(joints, tangent, grown, smoothing, FALLEN)
+        state, last = (None, 0) if grown is None else rest_from(joints, tangent, grown, smoothing, FALLEN)
         iterations += more + last
     return state, iterations
 
 
-def settled(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float, farthest: float = np.inf) -> tuple[State | None, int]:
+def rest_from(
+    joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float, farthest: float = np.inf
+) -> tuple[State | None, int]:
     """State at rest under the whole weight, from one before, and Newton iterations.
 
     None where a block moves by more than `farthest`, or where the blocks never come to rest.
