@@ -206,7 +206,7 @@ class Building(Table):
     opening: tuple[BuildingOpening, ...] = described("doors and windows", default=())
     floor: tuple[Floor, ...] = described("floors and roofs as mass on the walls", default=())
     foundation: Foundation | None = described(
-        "strips under the walls, part of them settling; without it you place the ground as [[block]]", default=None
+        "strips under the walls, of which a part may settle; without it you place the ground as [[block]]", default=None
     )
 
     @model_validator(mode="after")
