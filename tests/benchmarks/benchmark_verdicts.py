@@ -54,7 +54,7 @@ STONES = (
 GENERATED = (
     "Random structures of the generators by both methods, seed {}: arches of four shapes and of one or two rings, vaults, parts of domes, "
     "walls that meet at a corner or as a T, walls with an opening under a floor and sometimes with a rod, and rubble. Supports go down, "
-    "aside or turn; where *pushed* stands, a load in a level direction grows, or the ground tilts, and the value is the multiplier. "
+    "aside or turn; where *pushed* stands, a load in a nearly level direction grows, or the ground tilts, and the value is the multiplier. "
     "Vaults, domes and walls that meet may move in space."
 )
 

@@ -1,7 +1,7 @@
 """Random structures of the generators: arches, vaults, domes, corners, walls with floors, rubble; settled, pushed or tilted.
 
-They are the second family of the blind verdicts. Each scene follows from the seed and its number alone. A scene that cannot stand, or whose
-tables break a rule of the scene file, is drawn again.
+They are the second family of the blind verdicts. Each scene follows from the seed and its number alone. A scene is drawn again where it
+cannot stand, its tables break a rule of the scene file, or it has too few or too many blocks.
 """
 
 from collections.abc import Callable
@@ -73,7 +73,7 @@ def _settlement(random: Random, motion: str, pivot: list[float], axis: list[floa
 
 
 def _load(random: Random, motion: str, space: bool) -> Tables:
-    """Return a push, or a tilt, in a level direction: along x in the plane."""
+    """Return a push in a nearly level direction, or a tilt: along x in the plane."""
     angle = random.uniform(0.0, 2.0 * np.pi) if space else 0.5 * np.pi * (1.0 - _sign(random))
     level = [round(float(np.cos(angle)), 3), round(float(np.sin(angle)), 3), 0.0]
     if motion == "tilted":
