@@ -52,7 +52,7 @@ def run_yade(
         fraction of the run's expected work, seconds_left (None while unknown), seconds_to_limit, is_late (a plateau was expected
         before), settlement and reaction.
     started : callable
-        Called once YADE's process has started; a thread that it starts runs while YADE loads.
+        Called at each start, when YADE's process runs; a thread that it starts runs while YADE loads.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
