@@ -18,7 +18,7 @@ from comparison.yade.installation import HOW_TO_GET_YADE, SCRIPTS, Installation,
 LOG_TAIL = 8  # lines of the log that an error quotes
 NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # of a progress report, where known
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
-LOADING = 300.0  # seconds; YADE loads in two, even with 1,500 blocks, but one of some ten thousand starts hung
+LOADING = 300.0  # seconds; YADE loads in two, with 10,000 blocks in twenty, but one of some ten thousand starts hung
 STARTS = 2  # of a YADE that hangs while it loads
 
 
