@@ -19,6 +19,7 @@ LOG_TAIL = 8  # lines of the log that an error quotes
 NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # of a progress report, where known
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
 LOADING = 300.0  # seconds; YADE loads in two, with 10,000 blocks in twenty, but one of some ten thousand starts hung
+UNREAD = 2.0  # seconds after LOADING in which a report is still read: one waits where this process was stopped, as by Ctrl-Z
 STARTS = 2  # of a YADE that hangs while it loads
 
 
@@ -98,11 +99,12 @@ def _followed(
         )  # fmt: skip
     except OSError as error:
         raise YadeMissingError(f"{command[0]} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
-    hangs = threading.Event()
+    loaded, hangs = threading.Event(), threading.Event()
 
     def give_up() -> None:
-        hangs.set()
-        _end(process)
+        if not loaded.wait(UNREAD):
+            hangs.set()
+            _end(process)
 
     overtime, loading = threading.Timer(seconds, _end, [process]), threading.Timer(LOADING, give_up)
     overtime.daemon = loading.daemon = True
@@ -115,6 +117,7 @@ def _followed(
             for line in process.stdout:
                 record.write(line)
                 if (report := _report(line)) is not None:
+                    loaded.set()
                     loading.cancel()
                     progress(report)
         code = process.wait()

@@ -3,6 +3,7 @@
 import random
 import re
 import shutil
+import time
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -108,10 +109,27 @@ def test_a_yade_that_hangs_while_it_loads_is_started_once_more(fake_python: Fake
     assert "YADE did not load within" in (folder / "yade.log").read_text(encoding="utf-8")
 
 
+@pytest.mark.yade
+def test_a_yade_whose_report_waits_to_be_read_does_not_hang(fake_python: Fake, copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-Z stopped this program while YADE loaded; after `fg` a finished run was thrown away and started again."""
+    folder, starts = copy / "two_pads", []
+    (folder / "run.h5").unlink()
+    fake_python(f"echo 'progress {{}}'; exec {SYSTEM_PYTHON} \"$@\"")
+    monkeypatch.setattr(process, "LOADING", 0.3)
+
+    def started() -> None:
+        starts.append("")
+        time.sleep(0.8)  # nothing is read
+
+    process.run_yade(installation.locate_yade(), folder, "", 600.0, lambda report: None, started)
+    assert len(starts) == 1 and (folder / "run.h5").exists()
+
+
 def test_a_yade_that_hangs_at_every_start_is_a_failed_tool(
     fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(process, "LOADING", 0.2)
+    monkeypatch.setattr(process, "UNREAD", 0.1)
     fake_python("exec sleep 600")
     assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
     one = capsys.readouterr().err
