@@ -193,10 +193,10 @@ def test_joints_of_a_given_stiffness_release_the_same_thrust(stiffer: float) -> 
 
 
 def test_a_lifted_support_presses_by_the_stiffness_that_is_given() -> None:
-    """Joints 16 times as stiff would be wedged by 16 times the thrust."""
-    coulomb = analyse(la_core.variant(RELEASES, FINITE | {"yade.wedging": 1e-5})).coulomb
+    """Joints 16 times as stiff would be wedged by 16 times the thrust, which ends on another plateau, of 0.091 W."""
+    coulomb = analyse(la_core.variant(RELEASES, FINITE | {"yade.wedging": 2e-6})).coulomb
     assert coulomb is not None and coulomb.status is Status.SOLVED
-    assert coulomb.value / RELEASES.weight == pytest.approx(0.0660, rel=1e-2) and coulomb.travel < 5.0
+    assert coulomb.value / RELEASES.weight == pytest.approx(0.0660, rel=2e-3) and coulomb.travel < 5.0
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])

@@ -1,7 +1,8 @@
-"""Rest under gravity: the blocks are laid without force, and sag on their elastic joints until nothing moves.
+"""Rest under gravity: the blocks are laid without force, their weights grow, and they sag on elastic joints until nothing moves.
 
-All the weight acts at once where that leads to rest. A light block may slip away in the first step, before the block on it presses it.
-Then the weights grow from nothing.
+The weights grow as in YADE, because joints that slide on the way to rest keep a trace of this way. If all the weight acted at once, a light
+block might slip away before the block on it presses it, and in parts of domes joints would keep other thrusts: one came to a plateau 0.8 %
+higher than YADE's.
 """
 
 from dataclasses import replace
@@ -27,7 +28,7 @@ FALLEN = 1.0  # of the travel: a block that moves farther under gravity falls. Y
 def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, smoothing: float = 0.0) -> tuple[State | None, int]:
     """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
 
-    The blocks are laid without force. A drag that falls with every step lets them sag until nothing moves.
+    The blocks are laid without force, and their weights grow. Then a drag that falls with every step lets them sag until nothing moves.
 
     Parameters
     ----------
@@ -49,13 +50,11 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
     """
     laid = State(-wedging, np.zeros_like(joints.weights), joints.laid)
     laid = replace(laid, joints=replace(joints.laid, displacement=joints.displacement(laid.blocks, -wedging)))
-    farthest = FALLEN if smoothing > 0.0 else np.inf  # smooth joints have no other sign that a block falls
-    state, iterations = rest_from(joints, tangent, laid, smoothing, farthest)
-    if state is None:
-        grown, more = _under_growing_weights(joints, tangent, laid, smoothing)
-        state, last = (None, 0) if grown is None else rest_from(joints, tangent, grown, smoothing, FALLEN)
-        iterations += more + last
-    return state, iterations
+    grown, iterations = _under_growing_weights(joints, tangent, laid, smoothing)
+    if grown is None:
+        return None, iterations
+    state, more = rest_from(joints, tangent, grown, smoothing, FALLEN)
+    return state, iterations + more
 
 
 def rest_from(
