@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from la_core.exchange import GRAVITY, LEAST_REACTION
+from la_core.exchange import GRAVITY, LEAST_REACTION, LEFT_PLATEAU
 from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.faults import settlement_words
@@ -63,7 +63,7 @@ class PlateauSearch:
         name = "reaction" if self.case.live is None else "multiplier"
         if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
             fit, asked = best.fit, best.asked
-            ending = f"; the {name} leaves it before {settlement_words(self.case, self.record.settlement())}"
+            ending = f"; the {name}{LEFT_PLATEAU}{settlement_words(self.case, self.record.settlement())}"
             self.record.cut(best.mark)
         self.plateau, reached = fit, self.record.settlement()
         if self._is_plateau(fit, self.settings.plateau_uncertainty):

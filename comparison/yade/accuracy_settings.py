@@ -81,7 +81,8 @@ def _kinetic_ratio(results: Results) -> float:
         return float(run.result.kinetic_ratio)
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")
     fitted = settlement >= run.result.plateau_start
-    return float(energy[fitted].max() / (scale(analysis) * np.ptp(settlement[fitted])))
+    moved = float(np.ptp(settlement[fitted]))
+    return float(energy[fitted].max() / (scale(analysis) * moved)) if moved > 0.0 else math.nan
 
 
 def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:

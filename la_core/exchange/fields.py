@@ -13,6 +13,7 @@ from dataclasses import dataclass
 FREE, FIXED, SUPPORT = 0, 1, 2
 GRAVITY, SETTLEMENT = 0, 1  # stages of a run in YADE; the second stands for the live load, too
 EARLIER_ATTEMPT = "; before, "  # in `result/message`: stands before each attempt but the last
+LEFT_PLATEAU = " leaves it before "  # in `result/message`: the value left the plateau that the run states
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,29 @@ def test_where_joints_slide_in_yade_alone_the_reason_says_who_left_sliding_out(
     assert words in predicted(Results(without, coulomb_run(analysis))).obstacle
 
 
+@pytest.mark.parametrize("asked", ["none-slides", "associated"])
+def test_where_the_scene_excludes_sliding_and_yades_mechanism_is_unknown_nothing_disagrees(asked: str) -> None:
+    """Beds without friction slide back under a tilt in YADE: no plateau has two states, and its multiplier is zero."""
+    scene, analysis = case_of("arch_spreading")
+    run = perfect_run(analysis, reaction=0.5 * analysis.bounds[Drive.YIELDING].value)
+    run = dataclasses.replace(run, poses=Poses(*(part[:1] for part in vars(run.poses).values())))
+    assert "YADE's mechanism is unknown" not in predicted(Results(analysis, run)).obstacle
+    effects = scene.effects.model_copy(update={"friction": asked})
+    excluded = dataclasses.replace(analysis, scene=dataclasses.replace(scene, effects=effects))
+    found = predicted(Results(with_answers(excluded, coulomb=None), run))
+    assert found.slides and "the scene asks for this. YADE's mechanism is unknown" in found.obstacle and "coulomb" in found.next_step
+
+
+def test_a_plateau_that_yade_leaves_does_not_contradict_the_prediction(wall: tuple[Scene, LimitAnalysis]) -> None:
+    left = "steady from a settlement of 1e-05 to 2e-05 m; the reaction leaves it before a settlement of 3e-05 m"
+    names = ("reaction against prediction", "reaction within the mechanism's interval")
+    for message, verdict in ((left, Verdict.INCONCLUSIVE), (f"steady; before, at 2 times the speed: {left}", Verdict.DISAGREE)):
+        found = check_run(Results(wall[1], coulomb_run(wall[1], reaction=1.3 * wall[1].coulomb.value, message=message)))
+        checks = [check for check in found if check.name in names]
+        assert [check.verdict for check in checks] == [verdict, verdict]
+        assert all(("leaves this plateau" in check.reason) is (message == left) for check in checks)
+
+
 @pytest.mark.parametrize(
     ("factor", "prediction", "interval"),
     [

@@ -23,6 +23,7 @@ BOUND_ONLY = {
     Drive.YIELDING: "The associated answer is then only a lower bound of the reaction, and YADE may lie above it.",
     Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
 }
+MAY_SLIDE = "Limit analysis excludes that joints slide without dilatancy, because the scene asks for this. YADE's mechanism is unknown."
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
 
 
@@ -86,21 +87,21 @@ def predicted(results: Results) -> Prediction:
     """Return the sharpest prediction that limit analysis has for this scene."""
     analysis = results.analysis
     bound, coulomb, assembly = analysis.bounds[analysis.main], analysis.coulomb, analysis.assembly
-    unknown = (math.nan, math.nan)
+    unknown, motion = (math.nan, math.nan), results.per_motion(bound.twists)
     if slides_unforeseen(results):
         obstacle = "Joints slide in YADE, but in no mechanism of limit analysis."
-        return Prediction(
-            bound.value, unknown, results.per_motion(bound.twists), True, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING
-        )
+        return Prediction(bound.value, unknown, motion, True, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         doubt, step = _doubt(coulomb, results.scene.unit)
         stated, release = stated_uncertainty(analysis), _release(coulomb, assembly)
-        motion = results.per_motion(coulomb.twists)
-        return Prediction(coulomb.value, coulomb.interval, motion, slides, stated, release, doubt=doubt, next_step=step)
+        path_motion = results.per_motion(coulomb.twists)
+        return Prediction(coulomb.value, coulomb.interval, path_motion, slides, stated, release, doubt=doubt, next_step=step)
     slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
+    if not slides and _may_slide_in_yade(results):
+        return Prediction(bound.value, unknown, motion, True, obstacle=MAY_SLIDE, next_step=next_steps.MODEL_SLIDING)
     obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main, coulomb) if slides else ("", "")
-    return Prediction(bound.value, unknown, results.per_motion(bound.twists), slides, obstacle=obstacle, next_step=step)
+    return Prediction(bound.value, unknown, motion, slides, obstacle=obstacle, next_step=step)
 
 
 def _release(coulomb: CoulombSolution, assembly: Assembly) -> Release | None:
@@ -135,6 +136,12 @@ def slides_unforeseen(results: Results) -> bool:
     """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore left sliding out."""
     effects = results.analysis.assembly.effects
     return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
+
+
+def _may_slide_in_yade(results: Results) -> bool:
+    """Return whether the scene excludes Coulomb friction in limit analysis, and nothing shows whether joints slide in YADE."""
+    excludes = results.scene.effects.friction in ("associated", "none-slides")
+    return excludes and bool(np.isnan(results.recorded.mechanism()).any())
 
 
 def _slides_in_yade(results: Results) -> bool:
