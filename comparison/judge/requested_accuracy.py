@@ -64,9 +64,9 @@ def check_accuracy(results: Results) -> Iterator[Check]:
         assert analysis.accuracy is not None
         requested, last, name = analysis.accuracy.asked, attempts[-1], METHODS[method]
         kept = last.is_within(requested)
-        estimate = f"{percent(last.error)} ({error_parts(last)})"
-        reason = f"The requested accuracy of {percent(requested)} is not reached: {name} estimates its own error as {estimate}."
         error = finite_or_none(last.error)
+        estimate = "does not know its own error" if error is None else f"estimates its own error as {percent(error)}"
+        reason = f"The requested accuracy of {percent(requested)} is not reached: {name} {estimate} ({error_parts(last)})."
         errors: tuple[float | None, float | None] = (error, None) if method == "limit_analysis" else (None, error)
         unknown = SHARP_TOO if lacks_sharp_prediction(analysis) else UNKNOWN_ERROR
         advice = COARSER if error is not None else unknown
@@ -77,7 +77,7 @@ def check_accuracy(results: Results) -> Iterator[Check]:
 def error_parts(attempt: Attempt) -> str:
     """Return the parts of an error as text, unknown ones first, then the largest; parts below 1 % of the error are left out."""
     size = sum(value for value in attempt.parts.values() if math.isfinite(value))
-    known = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * size), reverse=True)
+    known = sorted(((value, name) for name, value in attempt.parts.items() if 0.01 * size <= value < math.inf), reverse=True)
     unknown = [f"{name} unknown" for name, value in attempt.parts.items() if not math.isfinite(value)]
     return ", ".join([*unknown, *(f"{name} {percent(value)}" for value, name in known)])
 
@@ -105,9 +105,8 @@ def chosen_settings(attempt: Attempt) -> str:
 
 def attempt_words(attempt: Attempt) -> str:
     """Return an attempt in one line: estimated error, seconds and settings."""
-    return (
-        f"error estimated as {percent(attempt.error)} ({error_parts(attempt)}) in {attempt.seconds:.2g} s with {chosen_settings(attempt)}"
-    )
+    error = f"error estimated as {percent(attempt.error)}" if math.isfinite(attempt.error) else "error unknown"
+    return f"{error} ({error_parts(attempt)}) in {attempt.seconds:.2g} s with {chosen_settings(attempt)}"
 
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:

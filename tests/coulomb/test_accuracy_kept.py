@@ -148,5 +148,5 @@ def test_finer_paths_follow_where_the_uncertainties_of_two_predictions_take_too_
 def test_a_prediction_without_bound_at_one_inset_leaves_the_part_of_rounded_edges_unknown() -> None:
     scene = scenes.build(*slot(height=0.3), friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
     (check,) = requested_accuracy.check_accuracy(Results(analyse(with_accuracy(scene, 0.01))))
-    assert check.verdict is Verdict.INCONCLUSIVE and "rounded edges unknown" in check.reason
+    assert check.verdict is Verdict.INCONCLUSIVE and "limit analysis does not know its own error (rounded edges unknown" in check.reason
     assert "inset = 0" in check.next_step

@@ -37,6 +37,13 @@ def test_an_elasticity_that_does_not_go_with_the_friction_is_refused(elasticity:
     assert reason in str(refused.value)
 
 
+def test_a_path_is_refused_where_only_bounds_are_modelled() -> None:
+    with pytest.raises(
+        SceneError, match=r'effects\.friction = "associated" yields bounds, .* say "coulomb" or "auto", or leave \[path\] out'
+    ):
+        scenes.load(scenes.text(*scenes.wall(3, 2, 0.6), model="associated") + "[path]\n")
+
+
 def test_without_strain_a_structure_whose_joints_slide_is_refused_and_an_arch_is_not() -> None:
     rigid = {"elasticity": "none"}
     with pytest.raises(SceneError, match="slides in the mechanism, and friction without dilatancy"):

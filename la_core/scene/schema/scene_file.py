@@ -278,5 +278,8 @@ class SceneFile(Table):
     @model_validator(mode="after")
     def _follows_coulomb_friction(self) -> Self:
         if self.path is not None and self.effects.friction not in ("auto", "coulomb"):
-            raise ValueError('a [path] is followed with friction = "coulomb" only')
+            raise ValueError(
+                f'effects.friction = "{self.effects.friction}" yields bounds, but a [path] needs friction without dilatancy: '
+                'say "coulomb" or "auto", or leave [path] out'
+            )
         return self
