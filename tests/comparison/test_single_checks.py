@@ -159,14 +159,11 @@ def test_a_state_that_breaks_the_friction_law_is_seen_although_it_is_in_equilibr
     assert named("equilibrium of the YADE state", found).verdict is Verdict.INCONCLUSIVE
 
 
-def test_a_state_out_of_equilibrium_contradicts_nobody(pads: LimitAnalysis) -> None:
-    """Blocks that slide without friction moved past each other at speed: their forces summed to another weight."""
+def test_a_state_out_of_equilibrium_does_not_contradict_the_prediction(pads: LimitAnalysis) -> None:
     run = perfect_run(pads, reaction=1.1 * pads.bounds[Drive.YIELDING].value)
     assert named("reaction against prediction", judged(pads, run)).verdict is Verdict.DISAGREE
     run.poses.forces[:] += twisted(pads.assembly, 0.5 * pads.assembly.mean_weight)
-    found = judged(pads, run)
-    assert named("reaction against prediction", found).verdict is Verdict.INCONCLUSIVE
-    assert Verdict.DISAGREE not in {check.verdict for check in found}
+    assert named("reaction against prediction", judged(pads, run)).verdict is Verdict.INCONCLUSIVE
 
 
 def test_the_wrenches_of_a_state_act_where_the_run_has_moved_blocks_and_points(pads: LimitAnalysis) -> None:

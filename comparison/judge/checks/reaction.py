@@ -160,13 +160,18 @@ def _jump(results: Results) -> tuple[str, str]:
     )
 
 
+def leaves_plateau(results: Results) -> bool:
+    """Return whether YADE's value leaves the plateau that the run states, before the run ends."""
+    last, *_ = str(results.recorded.result.message).split(exchange.EARLIER_ATTEMPT)
+    return exchange.LEFT_PLATEAU in last
+
+
 def _left(results: Results) -> tuple[str, str]:
     """Why YADE's plateau may be one on the way, and what to do; two times "" where the run ends on it.
 
     A pushed wall of rubble rested at 1.057, as in limit analysis on the way, and went on to the prediction, 1.143, on stiffer joints.
     """
-    last, *_ = str(results.recorded.result.message).split(exchange.EARLIER_ATTEMPT)
-    if exchange.LEFT_PLATEAU not in last:
+    if not leaves_plateau(results):
         return "", ""
     return f"YADE's {results.scene.quantity} leaves this plateau as the motion goes on, so it may be one on the way.", next_steps.BOTH_FINER
 
