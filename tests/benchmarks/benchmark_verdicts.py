@@ -1,11 +1,11 @@
 """A second opinion on the verdicts: random irregular scenes by both methods; agreements again, stiffer and slower, in one record and page.
 
-    python tests/benchmarks/benchmark_verdicts.py [--generated] [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder]
+    python tests/benchmarks/benchmark_verdicts.py [--family NAME] [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder]
         [--folder DIR] [--record FILE]
 
-Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--generated` takes those
-of generated_scenes.py. `--once` runs every scene once. What the record holds is not run again; a scene that was interrupted continues from
-the stages in its folder. `--page` writes the page from the record and runs nothing.
+Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--family` takes those
+of generated_scenes.py or unusual_scenes.py. `--once` runs every scene once. What the record holds is not run again; a scene that was
+interrupted continues from the stages in its folder. `--page` writes the page from the record and runs nothing.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import generated_scenes
+import unusual_scenes
 import verdict_scenes
 from growth_report import table
 from marked_text import sentences
@@ -57,11 +58,21 @@ GENERATED = (
     "aside or turn; where *pushed* stands, a load in a nearly level direction grows, or the ground tilts, and the value is the multiplier. "
     "Vaults, domes and walls that meet may move in space."
 )
+UNUSUAL = (
+    "Structures of the [generators](generated_verdicts.md) with unusual keys, seed {}: gravity aslant, of the moon or ten times that "
+    "of the earth, insets of 0.1 to 10 mm, friction of 0.1 to 3, other friction in beds, heads or footings, a small force on every "
+    "block, supports that rise, requested effects and accuracies."
+)
+FAMILIES = {  # by name: module of the scenes, introduction and end of the title of a page
+    "stones": (verdict_scenes, STONES, ""),
+    "generated": (generated_scenes, GENERATED, ": structures of the generators"),
+    "unusual": (unusual_scenes, UNUSUAL, ": unusual keys"),
+}
 
 
-def measured(number: int, seed: int, folder: Path, once: bool, harder: bool, generated: bool = False) -> dict[str, Any]:
+def measured(number: int, seed: int, folder: Path, once: bool, harder: bool, family: str = "stones") -> dict[str, Any]:
     """Return the entry of one scene: its first comparison, for an agreement its second one, and else what trying harder gives."""
-    scene_drawn = (generated_scenes if generated else verdict_scenes).drawn(number, seed)
+    scene_drawn = FAMILIES[family][0].drawn(number, seed)
     scene = scene_drawn.scene
     with Narration(Console(stderr=True, quiet=True)) as narration:
         first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
@@ -127,8 +138,9 @@ def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
 def page(record: dict[str, Any]) -> str:
     """Return the page of a record."""
     entries = sorted(record["scenes"].values(), key=lambda entry: entry["number"])
-    seed, is_generated = record["seed"], record.get("generated", False)
-    is_usual = seed == SEED and not is_generated
+    seed, family = record["seed"], record.get("family", "stones")
+    module, introduction, title = FAMILIES[family]
+    is_usual = seed == SEED and family == "stones"
     headings, rows = list(HEADINGS), [_row(entry) for entry in entries]
     agreements = [entry for entry in entries if not _is_open(entry)]
     repeated = sum("again" in entry for entry in agreements)
@@ -139,16 +151,17 @@ def page(record: dict[str, Any]) -> str:
             del columns[OF_SECOND_RUNS]
     meaning = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
     options = (
-        (" --generated" if is_generated else "") + ("" if is_usual else f" --seed {seed} --record FILE") + ("" if repeated else " --once")
+        ("" if family == "stones" else f" --family {family}")
+        + ("" if seed == module.SEED else f" --seed {seed} --record FILE")
+        + ("" if repeated else " --once")
     )
-    title = ": structures of the generators" if is_generated else "" if is_usual else f", seed {seed}"
-    total = generated_scenes.SCENES if is_generated else SCENES
+    title = title if seed == module.SEED else f"{title}, seed {seed}"
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
     parts = [
         f"# A second opinion on the verdicts{title}",
-        f"{(GENERATED if is_generated else STONES).format(seed)} Scenes and seed were fixed before the first run. "
+        f"{introduction.format(seed)} Scenes and seed were fixed before the first run. "
         f"{which} {second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
-        sentences([*_conclusions(entries, total, SEEN if is_usual else frozenset()), *record.get("since", [])]),
+        sentences([*_conclusions(entries, module.SCENES, SEEN if is_usual else frozenset()), *record.get("since", [])]),
         *([meaning] if repeated else []),
         table(headings, rows),
         "## What stays open",
@@ -220,7 +233,7 @@ def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]
 def main() -> None:
     """Run what the record lacks, and write record and page after every scene."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--generated", action="store_true", help="scenes of generated_scenes.py in place of verdict_scenes.py")
+    parser.add_argument("--family", choices=FAMILIES, default="stones", help="scenes (default: those of verdict_scenes.py)")
     parser.add_argument("--seed", type=int, help="seed of the scenes (default: that of their file)")
     parser.add_argument("--once", action="store_true", help="run every scene once")
     parser.add_argument("--scenes", default=f"0-{SCENES - 1}", help="numbers, such as 0-199 or 3,17")
@@ -230,18 +243,18 @@ def main() -> None:
     parser.add_argument("--record", type=Path, help="the record; the page lies beside it (default: verdicts.json of the gallery)")
     parser.add_argument("--page", action="store_true", help="write the page alone")
     options = parser.parse_args()
-    family, is_generated = generated_scenes if options.generated else verdict_scenes, options.generated
-    options.seed = family.SEED if options.seed is None else options.seed
-    options.record = options.record or GALLERY / f"{'generated_' if is_generated else ''}verdicts.json"
+    module, *_ = FAMILIES[options.family]
+    options.seed = module.SEED if options.seed is None else options.seed
+    options.record = options.record or GALLERY / f"{'' if options.family == 'stones' else f'{options.family}_'}verdicts.json"
     stored = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {}
-    record = {"seed": options.seed, "versions": {}, "scenes": {}} | ({"generated": True} if is_generated else {}) | stored
+    record = {"seed": options.seed, "versions": {}, "scenes": {}, "family": options.family} | stored
     if record["seed"] != options.seed and not options.page:
         parser.error(f"{options.record} holds scenes of seed {record['seed']}, not of {options.seed}; name another file with --record")
-    todo = [] if options.page else [number for number in numbers(options.scenes, family.SCENES) if str(number) not in record["scenes"]]
+    todo = [] if options.page else [number for number in numbers(options.scenes, module.SCENES) if str(number) not in record["scenes"]]
     folder, versions = options.folder or Path(f"crosscheck-verdicts-{options.seed}"), describe()
     with ProcessPoolExecutor(options.workers) as pool:
         jobs = {
-            pool.submit(measured, number, options.seed, folder, options.once, options.try_harder, is_generated): number for number in todo
+            pool.submit(measured, number, options.seed, folder, options.once, options.try_harder, options.family): number for number in todo
         }
         for done, job in enumerate(as_completed(jobs), 1):
             if job.exception() is not None:

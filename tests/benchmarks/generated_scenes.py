@@ -27,19 +27,29 @@ Random = np.random.Generator
 
 def drawn(number: int, seed: int = SEED) -> Drawn:
     """Return the random scene of a number from 0 to SCENES - 1."""
+    attempt = 0
+    while True:
+        kind, motion, made = tables(number, np.random.default_rng((seed, number, attempt)))
+        attempt += 1
+        try:
+            scene = la_core.build(made, f"generated_{number:03d}")
+        except SceneError:
+            continue
+        if is_fit(scene):
+            return Drawn(number, kind, motion, scene)
+
+
+def tables(number: int, random: Random) -> tuple[str, str, Tables]:
+    """Return the kind, the motion and the tables of a scene of this number."""
     kind, makes = list(KINDS.items())[number % len(KINDS)]
     motions = LOADS if kind.startswith("pushed") else MOTIONS
     motion = motions[number // len(KINDS) % len(motions)]
-    attempt = 0
-    while True:
-        random = np.random.default_rng((seed, number, attempt))
-        attempt += 1
-        try:
-            scene = la_core.build(_common(random, kind, motion) | makes(random, motion), f"generated_{number:03d}")
-        except SceneError:
-            continue
-        if LEAST_BLOCKS <= int(scene.blocks.free.sum()) <= MOST_BLOCKS and _stands(scene):
-            return Drawn(number, kind, motion, scene)
+    return kind, motion, _common(random, kind, motion) | makes(random, motion)
+
+
+def is_fit(scene: Scene) -> bool:
+    """Whether a scene has neither too few nor too many blocks, and stands."""
+    return LEAST_BLOCKS <= int(scene.blocks.free.sum()) <= MOST_BLOCKS and _stands(scene)
 
 
 def _stands(scene: Scene) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 import benchmark_verdicts
 import generated_scenes
 import pytest
+import unusual_scenes
 from benchmark_verdicts import apart, moved, numbers, page, values
 from judged_runs import REACTION
 from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, SEED, drawn
@@ -35,6 +36,17 @@ def test_a_generated_scene_follows_from_its_number_alone_and_is_what_it_is_calle
     assert generated_scenes.LEAST_BLOCKS <= int(first.scene.blocks.free.sum()) <= generated_scenes.MOST_BLOCKS
     assert first.kind.startswith("pushed") == (first.scene.live is not None)
     assert assemble(first.scene).effects.plane == (first.kind not in ("vault", "dome", "corner", "pushed corner"))
+
+
+def test_an_unusual_scene_follows_from_its_number_alone_and_is_unlike_the_generated_one() -> None:
+    scenes = [unusual_scenes.drawn(number).scene for number in range(10)]
+    assert [scene.text for scene in scenes] == [unusual_scenes.drawn(number).scene.text for number in range(10)]
+    changed = {
+        "gravity": [scene.gravity.tolist() != [0.0, 0.0, -9.81] for scene in scenes],
+        "inset": [scene.inset != 1e-3 for scene in scenes],
+        "effects": [bool(scene.effects.model_fields_set) for scene in scenes],
+    }
+    assert all(any(of_scenes) and not all(of_scenes) for of_scenes in changed.values())
 
 
 def test_kinds_and_motions_are_shared_evenly() -> None:
