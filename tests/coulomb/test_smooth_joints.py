@@ -158,7 +158,7 @@ def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypat
 @pytest.mark.slow
 def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
     """A wall whose curve still falls over the first half of one travel."""
-    scene = scenes.build(*scenes.wall(12, 8, split=2.4), friction=0.6)
+    scene = scenes.build(*scenes.wall(12, 8, split=2.4), friction=0.7)
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, scene.yade), solve_associated(assembly, Drive.YIELDING)
     sharp = predict(assembly, stiffness, associated)
