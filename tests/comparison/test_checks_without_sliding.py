@@ -98,6 +98,8 @@ def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tup
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "contact lists")
     assert check.verdict is Verdict.DISAGREE
     assert scene.blocks.names[0] in check.reason and scene.blocks.names[2] in check.reason
+    rattling = dataclasses.replace(perfect_run(analysis, status="no plateau", reaction=np.nan), extra_contacts=np.array([[0, 2]]))
+    assert verdict_of("contact lists", check_run(Results(analysis, rattling))) is Verdict.INCONCLUSIVE
 
 
 def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
