@@ -75,7 +75,10 @@ def attempt_of(results: Results) -> Attempt:
 
 
 def _kinetic_ratio(results: Results) -> float:
-    """Return the largest kinetic energy on the plateau over the work of the weights there, or of the reaction where that is 0."""
+    """Return the largest kinetic energy on the plateau over the work of the weights there, or of the reaction where that is 0.
+
+    NaN where nothing moves on the plateau.
+    """
     analysis, run = results.analysis, results.recorded
     if math.isfinite(run.result.kinetic_ratio) or run.status != "plateau":
         return float(run.result.kinetic_ratio)

@@ -8,7 +8,7 @@ from la_core.scene.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parents[1] / "scenes"
 STARTERS = Path(__file__).parent / "starters"
-LONG = ("building_corner",)  # two minutes of limit analysis and ten of YADE
+LONG = ("building_corner",)  # two minutes of limit analysis and forty of YADE
 
 
 def names() -> list[str]:

@@ -247,9 +247,12 @@ def main() -> None:
     options.seed = module.SEED if options.seed is None else options.seed
     options.record = options.record or GALLERY / f"{'' if options.family == 'stones' else f'{options.family}_'}verdicts.json"
     stored = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {}
-    record = {"seed": options.seed, "versions": {}, "scenes": {}, "family": options.family} | stored
+    held = stored.get("family", "stones") if stored else options.family
+    record = {"seed": options.seed, "versions": {}, "scenes": {}} | stored | {"family": held}
     if record["seed"] != options.seed and not options.page:
         parser.error(f"{options.record} holds scenes of seed {record['seed']}, not of {options.seed}; name another file with --record")
+    if held != options.family and not options.page:
+        parser.error(f"{options.record} holds scenes of the family {held}, not of {options.family}; name another file with --record")
     todo = [] if options.page else [number for number in numbers(options.scenes, module.SCENES) if str(number) not in record["scenes"]]
     folder, versions = options.folder or Path(f"crosscheck-verdicts-{options.seed}"), describe()
     with ProcessPoolExecutor(options.workers) as pool:

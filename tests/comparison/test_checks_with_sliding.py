@@ -60,7 +60,7 @@ def test_where_joints_slide_in_yade_alone_the_reason_says_who_left_sliding_out(
 
 
 @pytest.mark.parametrize("asked", ["none-slides", "associated"])
-def test_where_the_scene_excludes_sliding_and_yades_mechanism_is_unknown_nothing_disagrees(asked: str) -> None:
+def test_where_the_scene_excludes_sliding_and_yades_mechanism_is_unknown_there_is_no_sharp_prediction(asked: str) -> None:
     """Beds without friction slide back under a tilt in YADE: no plateau has two states, and its multiplier is zero."""
     scene, analysis = case_of("arch_spreading")
     run = perfect_run(analysis, reaction=0.5 * analysis.bounds[Drive.YIELDING].value)

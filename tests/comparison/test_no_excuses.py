@@ -189,6 +189,8 @@ def test_a_mechanism_that_is_not_determined_decides_nothing_where_the_reactions_
 def test_where_no_joint_slides_another_mechanism_still_disagrees() -> None:
     arch = analyse(scenes.shipped("arch_spreading"))
     assert overall(judged(arch, moved_otherwise(perfect_run(arch), np.array([3]))))[0] is Verdict.DISAGREE
+    passing = perfect_run(arch, message="steady; the reaction leaves it before 1 m")
+    assert overall(judged(arch, moved_otherwise(passing, np.array([3]))))[0] is Verdict.INCONCLUSIVE
 
 
 def test_a_block_at_the_threshold_of_motion_is_the_same_in_both_methods(wall: LimitAnalysis) -> None:

@@ -59,7 +59,7 @@ class Prediction:
     twists : np.ndarray
         Predicted mechanism (B, 6): twist of each block for a unit motion of the support, or displacement along the live load.
     slides : bool
-        Whether loaded joints slide.
+        Whether loaded joints slide, or may slide.
     stated : float
         Uncertainty that limit analysis states, in the unit of the value.
     release : Release or None
