@@ -139,8 +139,6 @@ def _origins(entries: dict[str, Entry]) -> str:
     kept = [f"`{name}`" for name, entry in entries.items() if entry.get("yade_before")]
     if kept:
         others.append(f"Limit analysis was run again without YADE, whose values and verdicts are those of the run before: {listed(kept)}.")
-    if judged := [f"`{name}`" for name, entry in entries.items() if entry.get("judged_again")]:
-        others.append(f"The verdict on {listed(judged)} is today's, on the values shown.")
     return "\n".join([f"Made on {most}.", *others]) + "\n"
 
 

@@ -63,7 +63,6 @@ def with_limit_analysis(entry: dict[str, Any], name: str, folder: Path, listener
     for model, one in models.items():
         fresh = model_values(run_scene(one, folder / one.name, listener, with_yade=False))
         entry = entry | {model: entry[model] | {key: value for key, value in fresh.items() if key not in kept}}
-    entry.pop("judged_again", None)  # `entry` is a copy by now; a new prediction has not been judged
     return entry | {"yade_before": True}
 
 

@@ -40,7 +40,7 @@ def _change(random: Random, tables: dict[str, Any]) -> None:
     joint, settlement = tables["joint"], tables.get("settlement", {})
     changes = random.uniform(size=7) < SHARE
     if changes[0]:
-        joint["inset"] = float(random.choice((1e-4, 3e-3, 1e-2)))
+        joint["inset"] = float(random.choice((1e-4, 3e-3, 1e-2)))  # m
     if changes[1]:
         joint["friction"] = float(random.choice((0.1, 0.2, 1.5, 3.0)))
     if changes[2]:

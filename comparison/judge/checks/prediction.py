@@ -23,7 +23,7 @@ BOUND_ONLY = {
     Drive.YIELDING: "The associated answer is then only a lower bound of the reaction, and YADE may lie above it.",
     Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
 }
-MAY_SLIDE = "Limit analysis excludes that joints slide without dilatancy, because the scene asks for this. YADE's mechanism is unknown."
+MAY_SLIDE = "The scene leaves friction without dilatancy out of limit analysis. Joints may slide in YADE, whose mechanism is unknown."
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
 
 

@@ -53,16 +53,14 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
     grown, iterations = _under_growing_weights(joints, tangent, laid, smoothing)
     if grown is None:
         return None, iterations
-    state, more = rest_from(joints, tangent, grown, smoothing, FALLEN)
+    state, more = rest_from(joints, tangent, grown, smoothing)
     return state, iterations + more
 
 
-def rest_from(
-    joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float, farthest: float = np.inf
-) -> tuple[State | None, int]:
+def rest_from(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
     """State at rest under the whole weight, from one before, and Newton iterations.
 
-    None where a block moves by more than `farthest`, or where the blocks never come to rest.
+    None where a block moves by more than FALLEN, or where the blocks never come to rest.
     """
     drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
     start, iterations = state.blocks, 0
@@ -74,7 +72,7 @@ def rest_from(
             continue
         moved = float(np.abs(trial.state.blocks - state.blocks).max())
         state = trial.state
-        if float(np.abs(state.blocks - start).max()) > farthest:
+        if float(np.abs(state.blocks - start).max()) > FALLEN:
             break
         if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
             return state, iterations
