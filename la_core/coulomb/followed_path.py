@@ -35,6 +35,7 @@ LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
+NEARLY = 0.01  # of the progress
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 
 
@@ -161,6 +162,7 @@ class FollowedPath:
     iterations: int
     viscosity: float
     exhausted: bool
+    is_short: bool = False  # whether it ended before its least travel
     smooth_error: float = 0.0  # most by which the law of its smooth joints is off, force at a contact point; 0 of sharp joints
     on_the_way: tuple[float, ...] = ()  # values of plateaus that the curve leaves, and at its end
     first_travel: QuasiStaticPath | None = None  # the path at the end of its first travel; None where joints are smooth or it ends before
@@ -173,13 +175,14 @@ class FollowedPath:
         end: End,
         value: float,
         exhausted: bool,
+        is_short: bool,
         smooth_error: float = 0.0,
     ) -> "FollowedPath":
         """Path with its curve before the last stretch, and the end of that stretch with its value."""
         progress, values = curve
         found = plateau.plateau_of(progress, values, progress[-1], value)
         first = path.viscosity.first
-        return cls(found, end, progress, values, path.iterations, first, exhausted, smooth_error)
+        return cls(found, end, progress, values, path.iterations, first, exhausted, is_short, smooth_error)
 
 
 def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) -> Falling:
@@ -187,9 +190,29 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
     return Falling(first, min(first, last), ANNEALED * first_travel(joints))
 
 
-def longest_travel(joints: ElasticJoints, settings: PredictionSettings) -> float:
-    """Longest travel of a path. A structure that turns farther has another geometry."""
-    return 2.0**settings.doublings * first_travel(joints) if joints.turning is None else TURNED * least_travel(joints)
+def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float, float]:
+    """Least and longest progress of a path. A structure that turns farther has another geometry.
+
+    The pace may still change a little: a path that has nearly come to its least progress is there.
+    """
+    least, reached = least_travel(path.joints), path.last.progress
+    if path.joints.turning is None:
+        return least, 2.0**settings.doublings * least
+    at_its_pace = least / path.pace
+    least = reached if abs(at_its_pace - reached) <= NEARLY * reached else at_its_pace
+    return least, TURNED * least
+
+
+def first_end(path: QuasiStaticPath, usual: float) -> float:
+    """Progress at which a path is looked at first: of blocks that turn under a live load early, because their pace may be high."""
+    joints = path.joints
+    is_early = joints.live and joints.turning is not None
+    return max(first_travel(joints) ** 2 / least_travel(joints), path.last.progress) if is_early else usual
+
+
+def next_end(end: float, least: float) -> float:
+    """Progress at which a path is looked at next: twice as far, but not beyond its least travel."""
+    return least if end < least < 2.0 * end else 2.0 * end
 
 
 def most_iterations(joints: ElasticJoints, settings: PredictionSettings) -> float:
@@ -205,7 +228,7 @@ def follow_large(
     The finest path goes on to the limit state near its end; a coarser one only shows what the smoothing changes. None where the
     path cannot begin.
     """
-    travel, least, most = first_travel(joints), least_travel(joints), MORE_EFFORT * most_iterations(joints, settings)
+    travel, most = first_travel(joints), MORE_EFFORT * most_iterations(joints, settings)
     force = 1.0 / len(joints.friction)  # mean contact force
     smooth, sharp = SMOOTH * first * force, min(SMOOTH * first, SMOOTH_END) * force
     viscosity = Falling(LESS_VISCOUS * first, min(LESS_VISCOUS * first, LAST_OF_SMOOTH), travel)
@@ -213,9 +236,8 @@ def follow_large(
     if rest is None:
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, Falling(smooth, smooth, travel))
-    again = AGAIN * settings.effort / PredictionSettings.effort
-    end = _to_plateau(path, least, longest_travel(joints, settings), most, again, send)
-    if path.last.progress == end:
+    end = _to_plateau(path, settings, most, send)
+    if not (is_short := path.last.progress < end):
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
         for point in path.advance_to(end, path.iterations + SHARP_EFFORT * most):
@@ -226,24 +248,25 @@ def follow_large(
     error = LAW_ERROR * float(np.sqrt(smooth * force))
     if is_finest:
         ended = limit_state_near(path, lambda: send(reached, end, float(values[-1])))
-        return FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end, error)
-    return FollowedPath.on(path, (progress, values), end_of(path), float(values[-1]), reached < end, error)
+        return FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end, is_short, error)
+    return FollowedPath.on(path, (progress, values), end_of(path), float(values[-1]), reached < end, is_short, error)
 
 
-def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: float, again: float, send: Sender) -> float:
-    """Follow a path over its travel, and on until its plateau is known, at most to `longest`, where blocks cease to turn; return the end.
+def _to_plateau(path: QuasiStaticPath, settings: PredictionSettings, most: float, send: Sender) -> float:
+    """Follow a path over its least travel, and on until its plateau is known or blocks cease to turn; return the end.
 
-    most: most iterations of the path; again: most iterations beyond its travel, over those of its travel. A path that its limit ends within
-    its travel has a progress below the returned end.
+    most: most iterations of the path. Beyond its least travel it takes at most AGAIN times those of this travel, at the usual effort. A
+    path that its limit ends within its least travel has a progress below the returned end.
     """
-    end = travel
+    again, end = AGAIN * settings.effort / PredictionSettings.effort, first_end(path, least_travel(path.joints))
     while True:
         for point in path.advance_to(end, most):
             send(point.progress, (1.0 + SHARPENED) * end, point.value)
-        reached = path.last.progress
-        if reached < end or end >= longest or plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known:
+        reached, (least, longest) = path.last.progress, travels(path, settings)
+        is_known = reached >= least and plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known
+        if reached < end or end >= longest or is_known:
             path.joints = path.joints_as_turned
-            return max(reached, travel)
-        if end == travel:
+            return max(reached, least)
+        if end == least:
             most = min(most, (1.0 + again) * path.iterations)
-        end *= 2.0
+        end = next_end(end, least)

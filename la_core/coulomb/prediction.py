@@ -18,7 +18,6 @@ from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSetting
 from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
@@ -126,7 +125,7 @@ def _followed_from_rest(
     progress = SharedProgress(joints, report, len(settings.viscosities), settings.with_release)
     followed = _paths(joints, tangent, rest, settings, progress) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
-    if not followed or followed[-1].plateau.travel < least_travel(joints):
+    if not followed or followed[-1].is_short:
         smooth = _smooth_paths(joints, -rest.progress, settings, report)
         iterations += sum(path.iterations for path in smooth)
         followed = smooth or followed
@@ -192,7 +191,7 @@ def _paths(
         if one is None:
             return []
         followed.append(one)
-        if one.plateau.travel < least_travel(joints):
+        if one.is_short:
             break
     return followed
 
@@ -247,8 +246,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     others = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist()) if own not in group]
     twists, forces = mechanism_and_forces(joints, chosen.end)
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
-    reached = last.progress >= least_travel(joints) and not still_smooth
-    certified = certificate.worst <= ACCEPTED_RESIDUAL and reached
+    certified = certificate.worst <= ACCEPTED_RESIDUAL and not (chosen.is_short or still_smooth)
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
     mechanisms = [(path.end.before, path.end.last) for path in alike]

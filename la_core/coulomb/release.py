@@ -11,7 +11,6 @@ import numpy as np
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, mechanism_and_forces
 from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, SharedProgress
 from la_core.coulomb.path.elastic_joints import ElasticJoints
-from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import EARLY, reference_size
 from la_core.coulomb.several_paths import BROAD, joints_of_path, on_one_plateau, stated_uncertainty
@@ -67,7 +66,7 @@ def released(
             return Released(iterations=iterations, is_doubtful=True)
         on.append(path)
         iterations += path.iterations - start.iterations
-        if path.plateau.travel < least_travel(turning):  # its effort has ended, and that of a finer one would
+        if path.is_short:  # its effort has ended, and that of a finer one would
             return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)

@@ -11,13 +11,15 @@ from la_core.coulomb.followed_path import (
     PredictionSettings,
     Sender,
     annealed,
-    longest_travel,
+    first_end,
     most_iterations,
+    next_end,
+    travels,
 )
 from la_core.coulomb.lasting import Lasting
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel, least_travel
+from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
 
@@ -51,16 +53,20 @@ def go_on_turning(
 def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: float, send: Sender) -> FollowedPath | None:
     """Follow a path until its curve is flat, and to a certified end; None where it cannot go on.
 
-    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more.
+    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more. Under
+    a live load their pace on the way shows how far that is.
     """
     joints, first = path.joints, None
-    end, turned = first_travel(joints), least_travel(joints)
-    least, longest = max(turned, as_far_as), longest_travel(joints, settings)
+    end = first_end(path, first_travel(joints))
+    turned, longest = travels(path, settings)
     passed: list[tuple[Plateau, QuasiStaticPath]] = []
     lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way
     while True:
         for point in path.advance_to(end, most_iterations(joints, settings)):
-            send(point.progress, max(end, least), point.value)
+            send(point.progress, max(end, turned, as_far_as), point.value)
+        if path.joints is joints:
+            turned, longest = travels(path, settings)
+            lasting.latest = longest / 2.0
         reached, progress, values = path.last.progress, *path.curve
         first = first or (path.copy() if reached == end else None)
         is_last = reached < end or end >= longest
@@ -69,14 +75,14 @@ def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: 
             path.joints = path.joints_as_turned
         if reached >= turned and found.is_known:
             passed.append((found, path.copy()))
-        if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
+        if reached > 0.0 and (is_last or (end >= max(turned, as_far_as) and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
             if is_last or (ended.certificate.worst <= ACCEPTED_RESIDUAL and lasting.holds(path, ended.before, ended.last)):
                 break
         if is_last:
             return None
-        end *= 2.0
-    last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end)
+        end = next_end(end, turned)
+    last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end, reached < turned)
     chosen = _plateau_left(passed, last.plateau) or last
     on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)
     return replace(chosen, on_the_way=(*on_the_way, last.plateau.value), iterations=path.iterations, first_travel=first)
@@ -95,5 +101,5 @@ def _plateau_left(passed: list[tuple[Plateau, QuasiStaticPath]], last: Plateau) 
     curve, ended = path.curve, certified_end(path.copy(), END_STRETCH * path.last.progress)
     if ended.certificate.worst > ACCEPTED_RESIDUAL:
         ended = limit_state_near(path)
-    early = FollowedPath.on(path, curve, ended, path.value(ended.last), False)
+    early = FollowedPath.on(path, curve, ended, path.value(ended.last), False, False)
     return early if ended.certificate.worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None

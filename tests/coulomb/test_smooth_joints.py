@@ -242,7 +242,7 @@ def test_a_structure_whose_sharp_path_is_cut_short_gets_smooth_joints(monkeypatc
 
     def cut_short(*arguments):
         one = original(*arguments)
-        cut.append(replace(one, plateau=replace(one.plateau, travel=0.9 * followed_path.first_travel(arguments[0]))))
+        cut.append(replace(one, is_short=True))
         return cut[-1]
 
     monkeypatch.setattr(prediction, "follow", cut_short)

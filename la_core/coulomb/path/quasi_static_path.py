@@ -21,7 +21,7 @@ import numpy as np
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State, Target, Trial, advance
 from la_core.coulomb.path.tangent import Tangent
-from la_core.model import ELASTIC_SHARE
+from la_core.model import ELASTIC_SHARE, twists_of
 
 FIRST_STEP = 0.05  # of the elastic sag
 LONGEST_STEP, LONGEST_SHARE = 0.05, 0.25  # of the travel, or of the progress where that is more
@@ -130,6 +130,7 @@ class QuasiStaticPath:
         self.joints, self.viscosity, self.smoothing, self.iterations = joints, viscosity, smoothing, 0
         self._tangent, self._finer = tangent, finer
         self._offset = rest.progress  # of the support, from wedging
+        self._rest_blocks = rest.blocks
         self._live_at = float(joints.live_load @ rest.blocks)
         self.last = self.before = replace(rest, progress=0.0)
         self.points = [Point(0.0, self.value(self.last), 0.0, 0)]
@@ -157,6 +158,14 @@ class QuasiStaticPath:
     def rate(self) -> np.ndarray:
         """Rate (n,) of the free blocks in the last step, over the progress."""
         return self._rate
+
+    @property
+    def pace(self) -> float:
+        """Motion that the travel limits in YADE over the progress: under a live load that of the fastest block; 1 for a settlement."""
+        if not self.joints.live or self.last.progress == 0.0:
+            return 1.0
+        moved = twists_of(self.joints.assembly, self.last.blocks - self._rest_blocks)[:, :3]
+        return max(float(np.linalg.norm(moved, axis=1).max()) / self.last.progress, 1.0)
 
     def value(self, state: State) -> float:
         """Scaled reaction, or multiplier, of a state, with the drag."""
