@@ -7,6 +7,7 @@ from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, certified_end, limit_
 from la_core.coulomb.followed_path import (
     BIG,
     LAST_VISCOSITY,
+    NEARLY,
     FollowedPath,
     PredictionSettings,
     Sender,
@@ -67,6 +68,7 @@ def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: 
         if path.joints is joints:
             turned, longest = travels(path, settings)
             lasting.latest = longest / 2.0
+        least = max(turned, (1.0 - NEARLY) * as_far_as)
         reached, progress, values = path.last.progress, *path.curve
         first = first or (path.copy() if reached == end else None)
         is_last = reached < end or end >= longest
@@ -75,7 +77,7 @@ def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: 
             path.joints = path.joints_as_turned
         if reached >= turned and found.is_known:
             passed.append((found, path.copy()))
-        if reached > 0.0 and (is_last or (end >= max(turned, as_far_as) and found.is_flat)):
+        if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
             if is_last or (ended.certificate.worst <= ACCEPTED_RESIDUAL and lasting.holds(path, ended.before, ended.last)):
                 break
