@@ -7,7 +7,8 @@ from typing import Any
 
 from comparison.cli import tables
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL, USAGE
+from comparison.judge import refuses_setting
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, stored_report, write_pdf, write_report
 from comparison.run_folder import HEAD
@@ -50,7 +51,9 @@ def conclude(
         if getattr(context.options, "pdf", False):
             context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
-        codes += [_code(comparison) for comparison in comparisons if comparison["scene"] not in again]  # the second attempt decides
+        codes += [
+            code_of_comparison(comparison) for comparison in comparisons if comparison["scene"] not in again
+        ]  # the second attempt decides
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=SEVERITY.index, default=AGREE)
@@ -69,7 +72,8 @@ def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
         yield f"next: {comparison['next_step']}"
 
 
-def _code(comparison: dict[str, Any]) -> int:
+def code_of_comparison(comparison: dict[str, Any]) -> int:
+    """Return the exit code of one scene: of its verdict, unless YADE failed or refused a setting of the scene."""
     if comparison["yade"] and comparison["yade"]["status"] in ("missing", "failed"):
-        return TOOL
+        return USAGE if refuses_setting(comparison["reason"]) else TOOL
     return EXIT_OF_VERDICT[comparison["verdict"]]

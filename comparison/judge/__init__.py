@@ -3,7 +3,7 @@
 from comparison.judge import requested_accuracy
 from comparison.judge.checks.answer import check_answer, check_expected
 from comparison.judge.checks.curves import compare_curves
-from comparison.judge.checks.next_steps import for_a_failed_run
+from comparison.judge.checks.next_steps import for_a_failed_run, refuses_setting
 from comparison.judge.checks.prediction import slides_unforeseen
 from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.checks.run_checks import check_run
@@ -42,6 +42,7 @@ __all__ = [
     "for_a_failed_run",
     "limit_analysis_summary",
     "limit_analysis_values",
+    "refuses_setting",
     "requested_accuracy",
     "slides_unforeseen",
     "without_run",

@@ -14,7 +14,7 @@ from la_core.errors import SceneError
 from la_core.scene.shipped import find
 
 ROOT = Path(__file__).parents[2]
-TOOL, INTERRUPTED = 3, 130
+USAGE, TOOL, INTERRUPTED = 2, 3, 130
 RUN_SECONDS = 2.0  # about what a run of two pads takes; only where a signal may come at any time
 PATIENCE = 600.0  # s, a last resort for what should happen at once: a busy machine is no fault
 

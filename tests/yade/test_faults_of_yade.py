@@ -9,7 +9,7 @@ from pathlib import Path
 
 import dying_yade
 import pytest
-from faulty_runs import TOOL, Fake, answer, one_message, unfinished
+from faulty_runs import TOOL, USAGE, Fake, answer, one_message, unfinished
 
 from comparison.cli.commands import main
 from comparison.settings import SYSTEM_PYTHON
@@ -61,7 +61,7 @@ def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(tmp_path
     """`crosscheck doctor` finds nothing wrong with YADE then."""
     scene = tmp_path / "two_pads.toml"
     scene.write_text(shipped.find("two_pads").read_text(encoding="utf-8") + "\n[yade]\ntime_step = 1e-3\n", encoding="utf-8")
-    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "-q"]) == TOOL
+    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "-q"]) == USAGE
     said = answer(tmp_path / "out")
     assert "time_step is 0.001 s; it must be at most" in said["reason"]
     assert "[yade]" in said["next_step"] and "doctor" not in said["next_step"]

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from comparison.cli.conclude import code_of_comparison
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, TOOL
+from comparison.cli.exit_codes import AGREE, TOOL, USAGE
 from comparison.figures import Story, require_place, write_animation
 from comparison.progress import Narration
 from comparison.run_folder import ANIMATION, refuse_name
@@ -55,5 +56,5 @@ def _run(context: Context, narration: Narration) -> tuple[Path, int]:
     refuse_name(scene)
     folder = settings.output / scene.name
     summary = run_scene(scene, folder, narration, with_yade=not options.no_yade, time_limit=options.time_limit)
-    failed = summary["yade"] is not None and summary["yade"]["status"] in ("missing", "failed")
-    return folder, TOOL if failed else AGREE
+    code = code_of_comparison(summary)
+    return folder, code if code in (TOOL, USAGE) else AGREE

@@ -59,9 +59,14 @@ def without_value(analysis: LimitAnalysis) -> str:
     return f"{OTHER_DIRECTION}. {left_out}".rstrip()
 
 
+def refuses_setting(reason: str) -> bool:
+    """Whether YADE's process failed for this reason because a setting of the scene does not suit this structure."""
+    return "scene/settings: " in reason
+
+
 def for_a_failed_run(reason: str) -> str:
-    """Return what to do where YADE's process failed for this reason: a setting of the scene may be one that this structure refuses."""
-    return CHANGE_SETTING if "scene/settings: " in reason else REPAIR_YADE
+    """Return what to do where YADE's process failed for this reason."""
+    return CHANGE_SETTING if refuses_setting(reason) else REPAIR_YADE
 
 
 def for_a_thrust(scene: Scene) -> str:
