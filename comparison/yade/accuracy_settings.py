@@ -75,9 +75,9 @@ def attempt_of(results: Results) -> Attempt:
 
 
 def _kinetic_ratio(results: Results) -> float:
-    """Return the largest kinetic energy on the plateau over the work of the weights there, or of the reaction where that is 0.
+    """Return the largest kinetic energy on the plateau over the work of the weights there.
 
-    NaN where nothing moves on the plateau.
+    Where that is 0, the work of the reaction, or of the live load, counts. NaN where nothing moves on the plateau.
     """
     analysis, run = results.analysis, results.recorded
     if math.isfinite(run.result.kinetic_ratio) or run.status != "plateau":
@@ -85,7 +85,9 @@ def _kinetic_ratio(results: Results) -> float:
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")
     fitted = settlement >= run.result.plateau_start
     moved = float(np.ptp(settlement[fitted]))
-    return float(energy[fitted].max() / (scale(analysis) * moved)) if moved > 0.0 else math.nan
+    assembly = analysis.assembly
+    pushed = np.linalg.norm(assembly.live_load[assembly.blocks.free, :3], axis=1).sum() if assembly.has_live_load else 1.0
+    return float(energy[fitted].max() / (scale(analysis) * pushed * moved)) if moved > 0.0 else math.nan
 
 
 def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
