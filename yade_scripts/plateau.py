@@ -160,8 +160,8 @@ def geometry_of(case: Case, before: Pose, now: Pose) -> Geometry:
     slope, turning = turning_slopes(case, before, now)
     if case.live is None:
         return Geometry(turning, case.block_size / case.support_speed, slope)
-    pushed = float(pushed_of(case).sum())
-    return Geometry(turning / pushed, case.block_size / largest_speed(before, now), slope / pushed)
+    pushed = float(pushed_of(case).sum())  # the load does work on the blocks, which do work on a support: the other sign
+    return Geometry(turning / pushed, case.block_size / largest_speed(before, now), -slope / pushed)
 
 
 def turning_slopes(case: Case, first: Pose, last: Pose) -> tuple[float, float]:

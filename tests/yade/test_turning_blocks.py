@@ -40,7 +40,7 @@ def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_
         assert plateau.turning_slopes(one, states[1], states[1]) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(("live", "slope", "lever"), [(None, 30.0, 0.08), (np.array([1.0, 0.0, 0.0]), 0.03, 0.1)])
+@pytest.mark.parametrize(("live", "slope", "lever"), [(None, 30.0, 0.08), (np.array([1.0, 0.0, 0.0]), -0.03, 0.1)])
 def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_live_load(
     live: Any, slope: float, lever: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -54,5 +54,21 @@ def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_liv
     moved = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -8e-4]])
     first, last = (plateau.Pose(settlement, settlement / 2e-4 * moved, moved, moved) for settlement in (0.0, 2e-4))
     found = plateau.geometry_of(one, first, last)
-    assert (found.slope, found.turning, found.lever) == pytest.approx((slope, slope * 5.0 / 3.0, lever))
+    assert (found.slope, found.turning, found.lever) == pytest.approx((slope, abs(slope) * 5.0 / 3.0, lever))
     assert plateau.largest_speed(first, last._replace(settlement=8e-3)) == 1.0  # at least that of the load
+
+
+def test_a_block_that_tips_under_a_live_load_bears_less_as_it_leans() -> None:
+    """Its multiplier is the tangent of an angle that falls by the tilt: -(1 + tan^2) over the height of its centroid above the edge."""
+    half, height, weight, turn = 0.25, 0.35, 1000.0, 1e-4
+    multiplier = half / height
+    forces = np.array([[-multiplier * weight, 0.0, weight]])  # of the ground on the block, along its edge
+    spin = np.array([[0.0, 0.0, 0.0], [0.0, turn, 0.0]])
+    moved = np.cross(spin, np.array([-half, 0.0, height]))  # of the centroid, from the edge
+    states = plateau.Pose(0.0, 0.0 * spin, 0.0 * spin, forces), plateau.Pose(moved[1, 0], moved, spin, forces)
+    one: Any = SimpleNamespace(
+        live=np.array([1.0, 0.0, 0.0]), live_load=np.zeros((2, 6)), weight=weight, block_size=0.5, gravity=np.array([0.0, 0.0, -10.0]),
+        mass=np.array([0.0, weight / 10.0]), free=np.array([1]), host=np.array([1]), target=np.array([0]), block_b=np.array([1]),
+        position=np.array([[half, 0.0, 0.0]]), centroid=np.array([[0.0, 0.0, -0.1], [0.0, 0.0, height]]),
+    )  # fmt: skip
+    assert plateau.geometry_of(one, *states).slope == pytest.approx(-(1.0 + multiplier**2) / height)
