@@ -24,7 +24,7 @@ SEVERITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, USAGE, TOOL)  # from mi
 MEANINGS = {  # of every exit code, for the help and the page of the command line
     AGREE: "agree; without YADE (`--no-yade`): the expected value is met, or the scene states none",
     DISAGREE: "disagree; without YADE: the expected value is not met; of `compare`: something changed",
-    USAGE: "usage or scene error",
+    USAGE: "usage or scene error, also a setting that YADE refuses for the structure",
     TOOL: "a tool is missing or failed",
     INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`, `failed`, or `unbounded` without a prediction",
     CANNOT_STAND: "the structure cannot stand under its weight and dead loads",

@@ -15,6 +15,7 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel, least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import Plateau
 
 # Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64 travels,
@@ -35,7 +36,7 @@ LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
-NEARLY = 0.01  # of the progress
+NEARLY = 0.01  # of a progress: a path that lacks no more has come to it
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 
 
@@ -193,26 +194,32 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
 def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float, float]:
     """Least and longest progress of a path. A structure that turns farther has another geometry.
 
-    The pace may still change a little: a path that has nearly come to its least progress is there.
+    Under a live load the pace on the way gives both. It may still change a little: a path that has nearly come to its least progress is
+    there. None is cut before its viscosity has fallen.
     """
-    least, reached = least_travel(path.joints), path.last.progress
+    first, least, reached = first_travel(path.joints), least_travel(path.joints), path.last.progress
     if path.joints.turning is None:
         return least, 2.0**settings.doublings * least
     at_its_pace = least / path.pace
     least = reached if abs(at_its_pace - reached) <= NEARLY * reached else at_its_pace
-    return least, TURNED * least
+    return least, max(TURNED * least, 2.0 * ANNEALED * first if path.joints.live else 0.0)
 
 
 def first_end(path: QuasiStaticPath, usual: float) -> float:
-    """Progress at which a path is looked at first: of blocks that turn under a live load early, because their pace may be high."""
+    """Progress at which a path is looked at first: earlier than usual where blocks turn under a live load, for their pace may be high."""
     joints = path.joints
     is_early = joints.live and joints.turning is not None
-    return max(first_travel(joints) ** 2 / least_travel(joints), path.last.progress) if is_early else usual
+    return max(first_travel(joints) / STIFFER, path.last.progress) if is_early else usual
 
 
-def next_end(end: float, least: float) -> float:
-    """Progress at which a path is looked at next: twice as far, but not beyond its least travel."""
-    return least if end < least < 2.0 * end else 2.0 * end
+def next_end(end: float, least: float, longest: float) -> float:
+    """Progress at which a path is looked at next: twice as far, but not beyond its least progress, nor beyond its longest."""
+    return least if end < least < 2.0 * end else min(2.0 * end, longest)
+
+
+def is_at_end(end: float, longest: float) -> bool:
+    """Whether a path has come to its longest progress, or nearly."""
+    return end >= (1.0 - NEARLY) * longest
 
 
 def most_iterations(joints: ElasticJoints, settings: PredictionSettings) -> float:
@@ -255,18 +262,19 @@ def follow_large(
 def _to_plateau(path: QuasiStaticPath, settings: PredictionSettings, most: float, send: Sender) -> float:
     """Follow a path over its least travel, and on until its plateau is known or blocks cease to turn; return the end.
 
-    most: most iterations of the path. Beyond its least travel it takes at most AGAIN times those of this travel, at the usual effort. A
-    path that its limit ends within its least travel has a progress below the returned end.
+    most: most iterations of the path. Beyond its least travel it takes at most AGAIN times those of this travel, at the usual effort. Where
+    they end the path within its least travel, its progress is below the returned end.
     """
     again, end = AGAIN * settings.effort / PredictionSettings.effort, first_end(path, least_travel(path.joints))
+    least, is_cut = travels(path, settings)[0], False
     while True:
         for point in path.advance_to(end, most):
-            send(point.progress, (1.0 + SHARPENED) * end, point.value)
+            send(point.progress, (1.0 + SHARPENED) * max(end, least), point.value)
         reached, (least, longest) = path.last.progress, travels(path, settings)
         is_known = reached >= least and plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known
-        if reached < end or end >= longest or is_known:
+        if reached < end or is_at_end(end, longest) or is_known:
             path.joints = path.joints_as_turned
             return max(reached, least)
-        if end == least:
-            most = min(most, (1.0 + again) * path.iterations)
-        end = next_end(end, least)
+        if reached >= least and not is_cut:
+            most, is_cut = min(most, (1.0 + again) * path.iterations), True
+        end = next_end(end, least, longest)

@@ -179,7 +179,7 @@ def _paths(
 ) -> list[FollowedPath]:
     """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
 
-    No other follows a path whose effort ends before its first travel. See `joints_of_path`.
+    No other follows a path whose effort ends before its least travel. See `joints_of_path`.
     """
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):

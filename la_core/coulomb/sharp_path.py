@@ -13,6 +13,7 @@ from la_core.coulomb.followed_path import (
     Sender,
     annealed,
     first_end,
+    is_at_end,
     most_iterations,
     next_end,
     travels,
@@ -68,10 +69,10 @@ def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: 
         if path.joints is joints:
             turned, longest = travels(path, settings)
             lasting.latest = longest / 2.0
-        least = max(turned, (1.0 - NEARLY) * as_far_as)
+        least = max(turned, (1.0 - NEARLY) * as_far_as if joints.live else as_far_as)
         reached, progress, values = path.last.progress, *path.curve
         first = first or (path.copy() if reached == end else None)
-        is_last = reached < end or end >= longest
+        is_last = reached < end or is_at_end(end, longest)
         found = plateau.plateau_of(progress, values, reached, values[-1])
         if reached >= turned and found.is_flat:
             path.joints = path.joints_as_turned
@@ -83,7 +84,7 @@ def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: 
                 break
         if is_last:
             return None
-        end = next_end(end, turned)
+        end = next_end(end, turned, longest)
     last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end, reached < turned)
     chosen = _plateau_left(passed, last.plateau) or last
     on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)

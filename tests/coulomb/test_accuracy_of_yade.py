@@ -184,7 +184,7 @@ def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
 
 @pytest.mark.parametrize("name", ["two_pads", "ferris_tin_loi_1"])
 def test_an_answer_without_work_of_the_weights_has_inertia_too(name: str) -> None:
-    """A multiplier does work by the weights that it pushes: without them the inertia of a sliding block was told as 12 % for 0.05 %."""
+    """A multiplier times the weights that it pushes does work: without them the inertia of a sliding block was told as 12 % for 0.05 %."""
     analysis = made_up(name)
     run = run_of(analysis)
     record = {

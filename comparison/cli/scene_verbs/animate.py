@@ -17,7 +17,8 @@ from la_core.scene import load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Animate stored results, or run a scene and animate it; print the path of the file. Exit code 3 if YADE was missing or failed.
+    """Animate stored results, or run a scene and animate it; print the path of the file. Exit code 3 if YADE was missing or failed, 2
+    if it refused a setting of the scene.
 
     Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
