@@ -29,8 +29,8 @@ NAN = float("nan")
 class Released:
     """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it.
 
-    state: its mechanism and contact forces, see `CoulombSolution.released_state`. is_doubtful: whether the paths were followed, but
-    leave the value unknown, or uncertain by more than 1 %.
+    state: its mechanism and contact forces, see `CoulombSolution.released_state`. is_doubtful: whether the paths leave the
+    value unknown, or uncertain by more than 1 %.
     """
 
     value: float = NAN
@@ -65,7 +65,7 @@ def released(
         return Released()
     turning, on = ElasticJoints(joints.assembly, stiffness, 1.0 / STIFFER), list[FollowedPath]()
     if any(start.pace * start.last.progress > TOO_FAR * least_travel(turning) for start in starts):
-        return Released()
+        return Released(is_doubtful=True)
     senders, iterations = progress.senders_of_more([path.viscosity for path in followed]), 0
     for number, (start, send) in enumerate(zip(starts, senders, strict=True), start=1):
         least = max((path.plateau.travel for path in on), default=0.0)
