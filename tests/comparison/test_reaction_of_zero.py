@@ -44,6 +44,24 @@ def test_two_reactions_of_zero_agree_whatever_trembles(blocks: int, noise: float
     assert overall(found)[0] is Verdict.AGREE, [check for check in found if check.verdict is not Verdict.AGREE]
 
 
+@pytest.mark.parametrize(
+    ("reaction", "uncertainty", "verdict"),
+    [
+        (5e-5, 1e-6, Verdict.INCONCLUSIVE),  # certainly another value than 0, within the least tolerance of 1e-4
+        (5e-5, 6e-5, Verdict.AGREE),
+        (5e-7, 0.0, Verdict.AGREE),  # round-off
+    ],
+)
+def test_small_reactions_that_certainly_differ_do_not_agree(reaction: float, uncertainty: float, verdict: Verdict) -> None:
+    """Shares of the weight. Beside a heavy cube, which no joint held, a stone with 57 N and 64 N in the two methods *agreed*."""
+    analysis = leaving(2)
+    weight = analysis.scene.weight
+    run = perfect_run(analysis, reaction=reaction * weight, uncertainty=uncertainty * weight)
+    check = named(REACTION, judged(analysis, run))
+    assert check.verdict is verdict
+    assert ("because both are small" in check.reason and "part near the support" in check.next_step) is (verdict is Verdict.INCONCLUSIVE)
+
+
 def test_noise_is_no_motion_where_the_support_leaves_alone() -> None:
     analysis = leaving(2)
     run = with_noise(analysis, perfect_run(analysis), 5e-3)

@@ -255,7 +255,7 @@ FILES = {
         "x.json",
         '{"courses": []}',
         {},
-        "(KeyError: 'node'); write its blocks as OBJ, each as an object of its own",
+        "(it lacks 'node'); write its blocks as OBJ, each as an object of its own",
     ),
     "an element to be moved": (
         "x.json",

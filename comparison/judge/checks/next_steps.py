@@ -23,6 +23,7 @@ TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thru
 AFTER_RELEASE = 'Set [effects] rotation = "finite": both methods then answer for the motion after the release.'
 BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
+SMALLER_PART = "Model the part near the support alone: the least tolerance is a share of the weight of the free blocks."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
 CHANGE_SETTING = "Change this key of the scene's [yade] table, or leave it out, so that it is derived; then run the scene again."

@@ -15,6 +15,7 @@ from comparison.judge.checks.tolerances import (
     MOST_UNCERTAIN,
     UNCERTAIN,
     Unsure,
+    accuracy_share,
     floor,
     least_reaction,
     reaction_tolerance,
@@ -27,6 +28,8 @@ from comparison.yade import Results
 from la_core import exchange
 from la_core.analysis import wedging
 from la_core.measures import mechanism
+
+ROUND_OFF = 0.01  # of the least tolerance: a difference that nothing can be told from
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
@@ -74,7 +77,19 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
         if prediction.slides:
             return _check_release(results, prediction, check, earlier_agreement(results, value, tolerance))
-    return check
+    return _held_apart(results, check, prediction.stated)
+
+
+def _held_apart(results: Results, check: Check, stated: float) -> Check:
+    """Return the check, inconclusive where values agree that differ much and certainly, because both are small beside the weight."""
+    least, difference = least_reaction(results.analysis), abs(check.difference or 0.0)
+    size = max(abs(results.recorded.result.reaction), abs(check.limit_analysis or 0.0))
+    alike = max(stated + float(results.recorded.result.uncertainty), max(MOST_UNCERTAIN, 2.0 * accuracy_share(results.analysis)) * size)
+    if check.verdict is not Verdict.AGREE or difference <= max(alike, ROUND_OFF * least):
+        return check
+    words = f"The {results.scene.quantity}s differ by {percent(difference / size)} and agree only because both are small"
+    reason = f"{words}: a difference of up to {format_number(least, 3)} {results.scene.unit}".rstrip() + " is within the tolerance."
+    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.SMALLER_PART)
 
 
 def _check_release(results: Results, prediction: Prediction, check: Check, before: str) -> Check:

@@ -115,7 +115,8 @@ def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
     region = building.foundation.settling
     if region is not None and not settles:
         where = f'building "{building.name}": foundation.settling'
-        raise SceneError(where, "contains no part of a foundation, so nothing settles", value=(region.from_, region.to))
+        rule = f"contains no part of a foundation, so nothing settles; it counts from the building's origin, {building.origin}"
+        raise SceneError(where, rule, value=(region.from_, region.to))
 
 
 def _spans_with_roles(building: Building, line: Line, stretch: Span) -> list[tuple[Span, str]]:

@@ -119,7 +119,7 @@ class Face:
         if first < 0 or past >= self.courses:
             raise SceneError(where, f"must leave a course for the {opening.head}; the wall has {self.courses} courses", value=corners)
         if opening.from_[0] < 0.0 or opening.to[0] > self.total:
-            raise SceneError(where, f"must lie within the wall's length of {self.total} m", value=corners)
+            raise SceneError(where, f"must lie within the wall's length of {self.total:g} m", value=corners)
         return first, past
 
     def _line_at(self, z: float, where: str, corners: object) -> int:
@@ -131,7 +131,7 @@ class Face:
         if abs(self.lines[above] - z) <= ON_LINE * step:
             return above
         if all(abs(line - k * step) <= ON_LINE * step for k, line in enumerate(self.lines)):
-            rule = f"multiples of {step} m"
+            rule = f"multiples of {step:g} m"
         else:
             rule = f"of which {self.lines[above - 1]:g} m and {self.lines[above]:g} m are nearest"
         raise SceneError(where, f"bottom and top must lie on course lines, {rule}", value=corners)

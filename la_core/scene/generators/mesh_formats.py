@@ -98,7 +98,8 @@ def _compas_surfaces(content: bytes) -> list[Surface]:
     except _NotReadError as error:
         raise ValueError(f"{error}, which is not read; {_AS_OBJ}") from error
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, OverflowError, RecursionError) as error:
-        raise ValueError(f"not an assembly as COMPAS writes it ({type(error).__name__}: {words_of(error)}); {_AS_OBJ}") from error
+        what = f"it lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {words_of(error)}"
+        raise ValueError(f"not an assembly as COMPAS writes it ({what}); {_AS_OBJ}") from error
     shared = Counter(name for _, name, *_ in named)
     return [
         surface(name if name and shared[name] == 1 else f"block {key}", vertices, faces, held) for key, name, vertices, faces, held in named

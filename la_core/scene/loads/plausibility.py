@@ -12,6 +12,7 @@ from la_core.scene.schema.scene_file import SceneFile
 
 FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
 SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a load below changes nothing, one above is many floors on one wall
+ROUND_OFF = 1e-9  # of a force: a component along gravity
 BESIDE = 1e-3  # of the size of a block: round-off of typed coordinates
 
 
@@ -40,7 +41,7 @@ def implausible_loads(
         own = loads.table == number
         force = loads.force[own].sum(axis=0)
         yield from _of_size(f'load "{name}"', float(np.linalg.norm(force)), weight)
-        if force @ gravity < 0.0:
+        if force @ gravity < -ROUND_OFF * np.linalg.norm(force) * np.linalg.norm(gravity):
             yield f'load "{name}" lifts: it acts against gravity; a load downward has a force such as [0, 0, -1000].'
         yield from _beside(f'load "{name}" acts', loads.point[own], loads.block[own], blocks)
     for number, name in enumerate(ties.names if ties is not None else ()):

@@ -185,7 +185,9 @@ class Foundation(Table):
 
     height: Positive = described("height of the strips", "m")
     settling: Region | None = described(
-        "part of the plan that settles; strips are cut at its edges, and it must hold their whole breadth; the rest is fixed", default=None
+        "part of the plan that settles, from the building's `origin`; strips are cut at its edges, and it must hold their whole breadth; "
+        "the rest is fixed",
+        default=None,
     )
 
 
