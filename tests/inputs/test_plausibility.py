@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import scenes
 
@@ -163,3 +164,13 @@ ratio = {}"""
         text = changed(both, ("direction = [0.0, 0.0, -1.0]", zones.format(ratio)))
         words = warnings_of(write_scene(text))
         assert words.endswith(told) and ("fixed pad" in words) == bool(told)
+
+
+@pytest.mark.parametrize("angle", np.linspace(0.1, 6.2, 12))
+def test_a_force_across_a_turned_gravity_does_not_lift_by_round_off(angle: float) -> None:
+    turn = scenes.rotation((1.0, 2.0, 3.0), float(angle))
+    down, across = 9.81 * turn @ np.array([0.0, 0.0, -1.0]), 900.0 * turn @ np.array([0.6, 0.8, 0.0])
+    parts = scenes.wall(3, 2, split=0.8)
+    load = scenes.table("[load]", name="wind", blocks=["wall 2.*"], force=across.tolist())
+    said = scenes.build(*parts, load, gravity=down.tolist(), settlement=(down / 9.81).tolist()).warnings
+    assert not any("lifts" in words for words in said)
