@@ -177,6 +177,8 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     hint = "blocks may touch but not share volume"
     if depth <= MOST_MORTAR:
         hint += "; [geometry] tolerance removes overlaps of up to twice the tolerance"
+    elif is_hole and not inset.any():
+        hint += "; these two fill the same place: remove one of them"
     elif is_hole:
         hint += "; draw a hole within the outline of its block, with a slit of 1 mm from the hole to an edge"
     raise SceneError(

@@ -102,13 +102,27 @@ def _shape(block: scene_file.Block, tolerance: float) -> shapes.Shape:
     return shapes.polyhedron(block.polyhedron.vertices)
 
 
-def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
-    """Yield what no table alone shows: names used twice, and roles, loads and expected values that do not fit together."""
+def _faults_of_names(tables: Tables) -> Iterator[Fault]:
+    """Yield, once for each table of the file, that names of its blocks are used before."""
     seen: set[str] = set()
+    taken: dict[KeyPath, list[str]] = {}
     for place, one in zip(tables.places, tables.named, strict=True):
         if one.name in seen:
-            yield place, str(SceneError(f'block "{one.name}"', "the name is used twice; every block needs its own"))
+            taken.setdefault(place, []).append(one.name)
         seen.add(one.name)
+    for place, names in taken.items():
+        more = len(names) - 1
+        others = f", like that of {more} other block{'s' * (more > 1)} of this table" if more else ""
+        rule = f"the name is used twice{others}"
+        hint = "every block needs its own"
+        if place[0] in _GENERATORS:
+            hint = f"give each [[{place[0]}]] a `name` of its own, with which the names of its blocks begin"
+        yield place, str(SceneError(f'block "{names[0]}"', rule, hint=hint))
+
+
+def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
+    """Yield what no table alone shows: names used twice, and roles, loads and expected values that do not fit together."""
+    yield from _faults_of_names(tables)
     roles = {one.role for one in tables.named}
     if "free" not in roles:
         yield ("block",), str(SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"'))

@@ -321,3 +321,22 @@ def test_show_draws_what_is_to_be_corrected(tmp_path: Path, capsys: pytest.Captu
 def test_a_hint_lists_the_first_of_many_names() -> None:
     assert nearest("zzz", [f"wall {k}" for k in range(200)], "names").endswith("wall 8, wall 9, ... (200 in all)")
     assert nearest("wall 1999", [f"wall {k}" for k in range(200)], "names") == 'did you mean "wall 199"?'
+
+
+TWO_WALLS = WALL_TOO_LOW.replace("courses = 1", "courses = 2") + "\n" + WALL_TOO_LOW.replace("courses = 1", "courses = 2")
+COPY = '[[block]]\nname = "copy"\nbox = { from = [0, 0, 0], to = [1, 1, 1] }'
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (TWO_WALLS, 'block "wall 1.1": the name is used twice, like that of 1 other block of this table; give each [[wall]] a `name`'),
+        (COPY, 'blocks "stone" and "copy": overlap by about 1 m; blocks may touch but not share volume; these two fill the same place'),
+    ],
+)
+def test_what_is_there_twice_is_said_once_with_the_way_to_mend_it(more: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "twice.toml"
+    path.write_text(LATE.format(**PLAIN | {"more": more}))
+    with pytest.raises(SceneError) as error:
+        structural_model(load_scene(path))
+    assert words in str(error.value) and str(error.value).count("used twice") <= 1
