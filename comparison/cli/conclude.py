@@ -51,9 +51,8 @@ def conclude(
         if getattr(context.options, "pdf", False):
             context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
-        codes += [
-            code_of_comparison(comparison) for comparison in comparisons if comparison["scene"] not in again
-        ]  # the second attempt decides
+        deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
+        codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=SEVERITY.index, default=AGREE)

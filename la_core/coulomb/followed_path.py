@@ -194,8 +194,8 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
 def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float, float]:
     """Least and longest progress of a path. A structure that turns farther has another geometry.
 
-    Under a live load the pace on the way gives both. It may still change a little: a path that has nearly come to its least progress is
-    there. None is cut before its viscosity has fallen.
+    Under a live load both follow from the pace so far. It may still change a little: a path that has nearly come to its least progress is
+    there. The longest progress is at least twice that at which the viscosity has fallen, because the second half of a curve is judged.
     """
     first, least, reached = first_travel(path.joints), least_travel(path.joints), path.last.progress
     if path.joints.turning is None:

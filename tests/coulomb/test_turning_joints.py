@@ -1,6 +1,7 @@
 """Blocks that turn by a finite angle release a thrust that friction locked in; small rotations keep it."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -250,9 +251,10 @@ def test_yade_covers_its_whole_travel_with_joints_as_stiff() -> None:
 
 
 @pytest.mark.slow
-def test_both_methods_release_the_thrust_over_the_same_settlements() -> None:
+@pytest.mark.yade
+def test_both_methods_release_the_thrust_over_the_same_settlements(tmp_path: Path) -> None:
     """The curves, not only their ends: the reaction falls by 18 % from 0 to 0.25 mm, on joints 16 times as stiff."""
-    run = comparison.run(la_core.variant(RELEASES, FINITE), quiet=True)
+    run = comparison.run(la_core.variant(RELEASES, FINITE), tmp_path, quiet=True)
     assert run.verdict == "agree" and run.summary["settings"]["stiffening"] == STIFFER
     assert run.summary["curves"]["until"] == pytest.approx(run.summary["settings"]["max_travel"], rel=1e-3)
     assert run.summary["curves"]["mean"] < 5e-3 * run.yade.reaction

@@ -29,7 +29,7 @@ from la_core import exchange
 from la_core.analysis import wedging
 from la_core.measures import mechanism
 
-ROUND_OFF = 0.01  # of the least tolerance: a difference that nothing can be told from
+ROUND_OFF = 0.01  # of the least tolerance, and so a millionth of the weight: smaller differences may be round-off of limit analysis
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
@@ -77,15 +77,20 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
         if prediction.slides:
             return _check_release(results, prediction, check, earlier_agreement(results, value, tolerance))
-    return _held_apart(results, check, prediction.stated)
+    return _if_not_for_the_weight(results, check, prediction.stated)
 
 
-def _held_apart(results: Results, check: Check, stated: float) -> Check:
-    """Return the check, inconclusive where values agree that differ much and certainly, because both are small beside the weight."""
-    least, difference = least_reaction(results.analysis), abs(check.difference or 0.0)
-    size = max(abs(results.recorded.result.reaction), abs(check.limit_analysis or 0.0))
-    alike = max(stated + float(results.recorded.result.uncertainty), max(MOST_UNCERTAIN, 2.0 * accuracy_share(results.analysis)) * size)
-    if check.verdict is not Verdict.AGREE or difference <= max(alike, ROUND_OFF * least):
+def _if_not_for_the_weight(results: Results, check: Check, stated: float) -> Check:
+    """Return the check, inconclusive where reactions agree only because both are small beside the weight.
+
+    They then differ by more than both methods state, and by more than MOST_UNCERTAIN. stated: uncertainty of the prediction, N or N m.
+    """
+    analysis, run = results.analysis, results.recorded
+    least, difference = least_reaction(analysis), abs(check.difference or 0.0)
+    size = max(abs(run.result.reaction), abs(check.limit_analysis or 0.0))
+    share = max(MOST_UNCERTAIN, 2.0 * accuracy_share(analysis))
+    is_told = difference > max(stated + float(run.result.uncertainty), share * size, ROUND_OFF * least)
+    if check.verdict is not Verdict.AGREE or results.scene.live is not None or not is_told:
         return check
     words = f"The {results.scene.quantity}s differ by {percent(difference / size)} and agree only because both are small"
     reason = f"{words}: a difference of up to {format_number(least, 3)} {results.scene.unit}".rstrip() + " is within the tolerance."
