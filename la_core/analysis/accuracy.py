@@ -15,7 +15,7 @@ from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import AccuracyRecord, Attempt, LimitAnalysis
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
-from la_core.limit import Solution, Status
+from la_core.limit import Solution, Status, value_error
 from la_core.scene import Scene, same_structure
 
 ROUNDED, HISTORY, ELASTIC, GAP = "rounded edges", "friction's history", "elastic settlement", "duality gap"
@@ -145,8 +145,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
         parts[HISTORY] = answer.uncertainty / scale(analysis)
     else:
         del parts[ELASTIC]  # the answer knows no stiffness
-        gap = analysis.sharp.bounds[analysis.main].duality_gap
-        parts[GAP] = gap * analysis.assembly.in_value_unit(analysis.assembly.mean_weight) / scale(analysis)
+        parts[GAP] = value_error(analysis.sharp.assembly, analysis.sharp.bounds[analysis.main]) / scale(analysis)
         if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
     rounded = analysis.at_inset.sharpest

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, mechanism_and_forces
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, mechanism_and_forces, unbalanced_power
 from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, SharedProgress
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import least_travel
@@ -78,10 +78,10 @@ def released(
         if path.is_short:  # its effort has ended, and that of a finer one would
             return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
-    value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)
+    value, unit = chosen.plateau.value, joints.value_in_units(1.0)
+    uncertainty = stated_uncertainty(chosen, on) + unbalanced_power(turning, chosen.end) / unit
     if not (chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and uncertainty <= BROAD * reference_size(value)):
         return Released(iterations=iterations, is_doubtful=True)
-    unit = joints.value_in_units(1.0)
     is_doubtful = uncertainty > EARLY * reference_size(value)
     return Released(value * unit, uncertainty * unit, iterations, mechanism_and_forces(turning, chosen.end), is_doubtful)
 

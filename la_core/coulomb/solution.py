@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from la_core.limit import Solution, Status
+from la_core.limit import Solution, Status, value_error
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
@@ -124,7 +124,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     CoulombSolution
         The value at rest, the drift and the strain residual are NaN, because no path was followed. The interval contains what
         the little friction that still slides in the associated mechanism could change, and so does the uncertainty, beside the
-        duality gap.
+        error of the associated value.
     """
     if associated.status is not Status.SOLVED:
         return without_answer(assembly, associated.status)
@@ -144,7 +144,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         cone_violation=associated.cone_violation,
         seconds=seconds,
         iterations=iterations,
-        uncertainty=abs(associated.duality_gap) * assembly.in_value_unit(assembly.mean_weight) + slight,
+        uncertainty=value_error(assembly, associated) + slight,
     )
 
 

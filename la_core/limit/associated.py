@@ -27,6 +27,9 @@ from la_core.model import Assembly, global_forces, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
+# Of the value, and of the weight: with a larger error of the value a thorough attempt follows a quick one. Residuals of an answer called
+# solved may leave a larger one where the blocks that load the support are light beside the others.
+PRECISE, LEAST_PRECISE = 1e-4, 1e-8
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
 
 
@@ -109,8 +112,8 @@ def solve_associated(
 ) -> Solution:
     """Solve one limit analysis. A structure that cannot stand raises no error: its status is INFEASIBLE.
 
-    A quick attempt comes first, from a nearby answer where there is one. Where the residuals do not confirm its answer,
-    the next of the ATTEMPTS follows. A large structure that is its own mirror image is solved by its symmetric part; the
+    A quick attempt comes first, from a nearby answer where there is one. Where the residuals do not confirm its answer, or leave its value
+    imprecise, the next of the ATTEMPTS follows. A large structure that is its own mirror image is solved by its symmetric part; the
     residuals are those of the whole structure.
 
     Parameters
@@ -131,7 +134,8 @@ def solve_associated(
     Returns
     -------
     Solution
-        The accepted attempt, or the one with the smallest residuals; seconds and iterations are those of all attempts.
+        Of the accepted attempts the one with the most precise value, or else the one with the smallest residuals; seconds and iterations
+        are those of all attempts.
     """
     problem = problem or scaled_problem(assembly)
     driven = driven_problem(assembly, problem, drive)
@@ -143,11 +147,14 @@ def solve_associated(
     for equilibrate, refine, forces in trials:
         attempts.append(_attempt(assembly, problem, drive, driven, part, accuracy, equilibrate, refine, forces))
         status = attempts[-1].status
-        if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
+        is_precise = status is Status.SOLVED and _is_precise(assembly, attempts[-1])
+        if is_precise or status is Status.INFEASIBLE or (refine and status is Status.UNBOUNDED):
             break
-    last = attempts[-1]
+    last, solved = attempts[-1], [attempt for attempt in attempts if attempt.status is Status.SOLVED]
     best = last
-    if last.status in (Status.INACCURATE, Status.FAILED):  # no attempt confirmed what a quick one may have called unbounded
+    if solved and last.status is not Status.INFEASIBLE:
+        best = min(solved, key=lambda attempt: value_error(assembly, attempt))
+    elif last.status in (Status.INACCURATE, Status.FAILED):  # no attempt confirmed what a quick one may have called unbounded
         best = min((attempt for attempt in attempts if attempt.status is not Status.UNBOUNDED), key=_worst_residual)
     seconds, iterations = sum(attempt.seconds for attempt in attempts), sum(attempt.iterations for attempt in attempts)
     return replace(best, seconds=seconds, iterations=iterations)
@@ -195,6 +202,18 @@ def _attempt(
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:
         return _unless_it_falls(assembly, problem, part, solution)
     return solution
+
+
+def value_error(assembly: Assembly, solution: Solution) -> float:
+    """Error (N, N m or multiplier) of the value of an associated answer, to first order: its duality gap and its unbalanced forces."""
+    multiplier = solution.value if assembly.has_live_load else 0.0
+    gap = abs(solution.duality_gap) * assembly.in_value_unit(assembly.mean_weight)
+    return gap + residuals.power_of_unbalanced(assembly, solution.twists, solution.forces, multiplier)
+
+
+def _is_precise(assembly: Assembly, solution: Solution) -> bool:
+    allowed = max(PRECISE * abs(solution.value), LEAST_PRECISE * assembly.in_value_unit(assembly.weight))
+    return value_error(assembly, solution) <= allowed
 
 
 def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, falling: tuple[str, ...] = ()) -> Solution:

@@ -33,6 +33,18 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
     return float(np.abs(kept).max() / assembly.mean_weight)
 
 
+def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
+    """Sum over the free blocks of the power of their unbalanced wrenches in a mechanism with twists (B, 6).
+
+    The forces balance loads that differ from the given ones by these wrenches. To first order, this changes the reaction (N, N m) or
+    multiplier by their power in the mechanism: small residuals of heavy blocks may matter beside the reaction of light ones.
+    forces (C, 3): contact forces, N. multiplier: of the live load. The unit is that of the value, because the twists are per unit motion
+    of the support or per unit power of the live load.
+    """
+    wrenches = assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load
+    return float(np.abs(np.sum(wrenches * twists, axis=1))[assembly.blocks.free].sum())
+
+
 def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
     """Largest tension or excess of |t| over mu n of contact forces (C, 3), over the mean free-block weight.
 

@@ -49,7 +49,8 @@ def test_two_reactions_of_zero_agree_whatever_trembles(blocks: int, noise: float
     [
         (5e-5, 1e-6, Verdict.INCONCLUSIVE),  # certainly another value than 0, within the least tolerance of 1e-4
         (5e-5, 6e-5, Verdict.AGREE),
-        (5e-7, 0.0, Verdict.AGREE),  # round-off
+        (5e-7, 0.0, Verdict.INCONCLUSIVE),
+        (5e-9, 0.0, Verdict.AGREE),  # shown as 0
     ],
 )
 def test_small_reactions_that_certainly_differ_do_not_agree(reaction: float, uncertainty: float, verdict: Verdict) -> None:

@@ -12,6 +12,7 @@ from comparison.judge.checks.friction_state import check_friction_state, check_s
 from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
 from comparison.judge.checks.prediction import Prediction, predicted
 from comparison.judge.checks.tolerances import (
+    LEAST_REACTION,
     MOST_UNCERTAIN,
     UNCERTAIN,
     Unsure,
@@ -28,8 +29,9 @@ from comparison.yade import Results
 from la_core import exchange
 from la_core.analysis import wedging
 from la_core.measures import mechanism
+from la_core.text_table import ROUND_OFF
 
-ROUND_OFF = 0.01  # of the least tolerance, and so a millionth of the weight: smaller differences may be round-off of limit analysis
+SHOWN_AS_ZERO = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller differences are shown as 0
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
@@ -89,7 +91,7 @@ def _if_not_for_the_weight(results: Results, check: Check, stated: float) -> Che
     least, difference = least_reaction(analysis), abs(check.difference or 0.0)
     size = max(abs(run.result.reaction), abs(check.limit_analysis or 0.0))
     share = max(MOST_UNCERTAIN, 2.0 * accuracy_share(analysis))
-    is_told = difference > max(stated + float(run.result.uncertainty), share * size, ROUND_OFF * least)
+    is_told = difference > max(stated + float(run.result.uncertainty), share * size, SHOWN_AS_ZERO * least)
     if check.verdict is not Verdict.AGREE or results.scene.live is not None or not is_told:
         return check
     words = f"The {results.scene.quantity}s differ by {percent(difference / size)} and agree only because both are small"
