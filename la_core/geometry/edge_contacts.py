@@ -14,7 +14,7 @@ SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and 
 
 @dataclass(frozen=True)
 class EdgeContacts:
-    """Pairs of blocks that touch, but share no face, where no third block with joints to both fills the place.
+    """Pairs of blocks that touch, but share no face, where no blocks with joints to them and each other fill the place.
 
     Attributes
     ----------
@@ -34,8 +34,8 @@ class EdgeContacts:
 def edge_contacts(blocks: Blocks) -> EdgeContacts:
     """Find the pairs of blocks that touch along an edge or at a corner alone.
 
-    Where courses cross, as in a stack bond, blocks across from each other touch so, too: the blocks beside them have joints with both,
-    and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
+    Where courses cross, as in a stack bond, blocks across from each other touch so, too: joints lead from one to the other by the blocks
+    beside them, and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
     """
     parts, owner = blocks.parts, blocks.part_block
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
@@ -120,20 +120,38 @@ def _edges_within(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tu
 
 
 def _filled(blocks: Blocks, joined: np.ndarray, pairs: np.ndarray, place: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Whether a block that touches both blocks of a pair (P, 2) of parts by faces is at most `reach` (P,), m, from the place (P, 3)."""
-    parts, (a, b), every = blocks.parts, blocks.part_block[pairs].T, np.arange(len(blocks) + 1)
+    """Whether joints lead from one block of a pair (P, 2) of parts to the other by at most two blocks that reach the place (P, 3).
+
+    Where three planes of joints cross, opposite blocks meet at a corner, and two blocks lie between them.
+    """
+    (row, beside), (other_row, beside_other) = (_neighbours_at(blocks, joined, own, place, reach) for own in blocks.part_block[pairs].T)
+    start = np.searchsorted(other_row, np.arange(len(pairs) + 1))
+    one, nth = group_members(np.diff(start)[row])
+    near, far = beside[one], beside_other[start[row[one]] + nth]
+    linked = (near == far) | _are_among(np.stack([near, far], axis=1), joined)
+    filled = np.zeros(len(pairs), dtype=bool)
+    filled[row[one[linked]]] = True
+    return filled
+
+
+def _neighbours_at(
+    blocks: Blocks, joined: np.ndarray, own: np.ndarray, place: np.ndarray, reach: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Blocks that touch a block of `own` (P,) by faces and are at most `reach` (P,), m, from its place (P, 3).
+
+    Returns two arrays (N,): the row of `own` and the block, sorted by row.
+    """
+    parts, every = blocks.parts, np.arange(len(blocks) + 1)
     joint_start, part_start = np.searchsorted(joined[:, 0], every), np.searchsorted(blocks.part_block, every)
-    row, nth = group_members(np.diff(joint_start)[a])
-    third = joined[joint_start[a[row]] + nth, 1]
-    with_both = _are_among(np.stack([third, b[row]], axis=1), joined)
-    row, third = row[with_both], third[with_both]
-    of_third, nth = group_members(np.diff(part_start)[third])
-    row, part = row[of_third], part_start[third[of_third]] + nth
+    row, nth = group_members(np.diff(joint_start)[own])
+    beside = joined[joint_start[own[row]] + nth, 1]
+    of_beside, nth = group_members(np.diff(part_start)[beside])
+    part = part_start[beside[of_beside]] + nth
     of_part, nth = group_members(np.diff(parts.part_face_start)[part])
     face = parts.part_face_start[part[of_part]] + nth
-    distance = np.sum(parts.face_normal[face] * place[row[of_part]], axis=1) - parts.face_offset[face]
+    at = row[of_beside][of_part]
+    distance = np.sum(parts.face_normal[face] * place[at], axis=1) - parts.face_offset[face]
     farthest = np.full(len(part), -np.inf)
     np.maximum.at(farthest, of_part, distance)
-    filled = np.zeros(len(pairs), dtype=bool)
-    filled[row[farthest <= reach[row]]] = True
-    return filled
+    reaches = farthest <= reach[row[of_beside]]
+    return row[of_beside][reaches], beside[of_beside][reaches]

@@ -89,3 +89,25 @@ def test_blocks_that_share_volume_do_not_touch_along_an_edge(depth: float) -> No
     """A block that is drawn too deep into its ground has no joint with it; the refusal says why, and no warning says otherwise."""
     sunk = pushed(GROUND, WALL, scenes.box("sunk", (0.5, 0.0, -depth), (1.5, 1.0, 1.0 - depth)))
     assert not told(sunk) and not len(edge_contacts(sunk.blocks).pairs)
+
+
+def cubes(left_out: set[tuple[int, int, int]]) -> Scene:
+    """Two by two by two cubes of 1 m on ground, without some."""
+    places = [place for place in np.ndindex(2, 2, 2) if place not in left_out]
+    parts = [scenes.box("cube {} {} {}".format(*p), p, tuple(k + 1.0 for k in p)) for p in places]
+    return pushed(scenes.box("floor", (0.0, 0.0, -1.0), (2.0, 2.0, 0.0), "fixed"), *parts)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "corners"),
+    [
+        (set(), 0),  # four pairs of opposite cubes meet in the middle
+        ({(0, 0, 1)}, 0),  # joints still lead around the middle
+        ({(0, 0, 1), (0, 1, 1)}, 0),
+        ({(0, 1, 1), (1, 0, 1), (0, 0, 1)}, 0),
+        ({(0, 1, 1), (1, 0, 1), (0, 0, 1), (1, 1, 0)}, 3),  # nothing is below the upper cube: it meets three at an edge or a corner
+    ],
+)
+def test_opposite_cubes_that_others_join_are_not_told(left_out: set[tuple[int, int, int]], corners: int) -> None:
+    found = edge_contacts(cubes(left_out).blocks)
+    assert len(found.pairs) == corners
