@@ -78,7 +78,7 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
-        "friction": {"quasi-static paths, at least": PATHS - 1},
+        "friction": {"path or more of the prediction": PATHS - 1},
         "elasticity": {"springs": points * components},
         "rotation": {"run of YADE over its whole travel": 1},
         "displacement": {"engine in YADE, the collider": 1},

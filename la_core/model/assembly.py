@@ -220,11 +220,14 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     blocks = scene.blocks
     effects = decide(scene)
     found = find_interfaces(blocks) if interfaces is None else interfaces
-    interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
+    least = max(SLIVER * scene.inset, scene.shortest_joint / 2.0)
+    interfaces = without_slivers(blocks, found, least, effects.plane)
     points = contact_points(blocks, interfaces, _friction(scene, interfaces), scene.inset, effects.plane)
     refuse_idle_classes(scene.joint_classes, blocks, interfaces)
     if scene.support_twists is not None:
-        _refuse_idle_support(blocks, np.any(scene.support_twists, axis=1), interfaces)
+        support = np.any(scene.support_twists, axis=1)
+        if not _has_joint(support, interfaces):
+            raise _idle_support(blocks, support, 2.0 * least if _has_joint(support, found) else 0.0)
     return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
 
 
@@ -260,12 +263,18 @@ def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: Cont
     )  # fmt: skip
 
 
-def _refuse_idle_support(blocks: Blocks, support: np.ndarray, interfaces: Interfaces) -> None:
-    if not (support[interfaces.block_a] | support[interfaces.block_b]).any():
-        raise SceneError(
-            "settlement",
-            "no support block that moves touches a free block, so its motion changes nothing",
-            hint=nearest_gap(blocks, np.flatnonzero(support), np.flatnonzero(blocks.free)),
-            blocks=[blocks.names[i] for i in np.flatnonzero(support)],
-            spots=[tuple(centroid) for centroid in blocks.centroid[support].tolist()],
-        )
+def _has_joint(chosen: np.ndarray, interfaces: Interfaces) -> bool:
+    """Whether one of the chosen blocks (B,) has an interface."""
+    return bool((chosen[interfaces.block_a] | chosen[interfaces.block_b]).any())
+
+
+def _idle_support(blocks: Blocks, support: np.ndarray, shortest: float) -> SceneError:
+    """Error of support blocks (B,) without a joint. shortest: of a joint that counts, m, where they have shorter ones; else 0."""
+    if shortest > 0.0:
+        rule = f"the support blocks that move have no joint of {shortest:.3g} m or more, and shorter ones do not count"
+        hint = "take a smaller inset and tolerance, or a longer joint"
+    else:
+        rule = "no support block that moves touches a free block, so its motion changes nothing"
+        hint = nearest_gap(blocks, np.flatnonzero(support), np.flatnonzero(blocks.free))
+    names, spots = [blocks.names[i] for i in np.flatnonzero(support)], [tuple(centroid) for centroid in blocks.centroid[support].tolist()]
+    return SceneError("settlement", rule, hint=hint, blocks=names, spots=spots)

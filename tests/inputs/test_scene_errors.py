@@ -211,6 +211,15 @@ def test_support_that_touches_nothing_free(write_scene: WriteScene, two_pads) ->
     assert "settlement: no support block that moves touches a free block, so its motion changes nothing" in refusal(write_scene(text))
 
 
+def test_support_whose_joint_is_too_short(write_scene: WriteScene, two_pads) -> None:
+    """It touches the block: what is told is the least length of a joint, and not the nearest gap."""
+    upper = [scenes.box(f"upper {k}", (0.0, 0.0, 0.5 * k), (1.0, 0.2, 0.5 * (k + 1))) for k in (1, 2)]
+    narrow = swapped(two_pads, ("from = [0.5, 0.0, -0.1]", "from = [0.9998, 0.0, -0.1]"), (MOTION, "\n".join([*upper, MOTION])))
+    told = refusal(write_scene(narrow))
+    assert "settlement: the support blocks that move have no joint of 0.0005 m or more, and shorter ones do not count" in told
+    assert "take a smaller inset" in told and "nearest" not in told
+
+
 def test_mortar_that_is_not_drawn_between_the_structure_and_its_support(write_scene: WriteScene, two_pads) -> None:
     """Its width is told; the pads touch each other and the blocks touch each other, so none of them touches nothing."""
     lowered = swapped(two_pads, ("to = [0.4, 0.2, 0.0]", "to = [0.5, 0.2, -0.01]"), ("to = [1.0, 0.2, 0.0]", "to = [1.0, 0.2, -0.01]"))
