@@ -22,7 +22,7 @@ class Opening(Table):
     to: Pair = described("upper right corner; at least one course must remain above it for the head", "m")
     bearing: Positive = described(
         "length by which the head extends beyond the opening on either side; of a flat arch, at its upper edge; "
-        "of an arch, at its springing if it is a semicircle, else one course higher",
+        "of an arch, at its springing if it is a semicircle, else one course higher; a lintel ends with the wall",
         "m",
     )
     head: Literal["lintel", "flat arch", "arch"] = described(
