@@ -75,19 +75,19 @@ def attempt_of(results: Results) -> Attempt:
 
 
 def _kinetic_ratio(results: Results) -> float:
-    """Return the largest kinetic energy on the plateau over the work of the weights there.
+    """Return the largest kinetic energy on the plateau over the work there: that of the weights, or of the reaction or live load if larger.
 
-    Where that is 0, the work of the reaction, or of the live load, counts. NaN where nothing moves on the plateau.
+    The weights may do next to no work. NaN where nothing moves on the plateau.
     """
     analysis, run = results.analysis, results.recorded
-    if math.isfinite(run.result.kinetic_ratio) or run.status != "plateau":
-        return float(run.result.kinetic_ratio)
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")
     fitted = settlement >= run.result.plateau_start
-    moved = float(np.ptp(settlement[fitted]))
+    moved = float(np.ptp(settlement[fitted])) if fitted.any() else 0.0
+    if run.status != "plateau" or moved == 0.0:
+        return float(run.result.kinetic_ratio)
     assembly = analysis.assembly
     pushed = np.linalg.norm(assembly.live_load[assembly.blocks.free, :3], axis=1).sum() if assembly.has_live_load else 1.0
-    return float(energy[fitted].max() / (scale(analysis) * pushed * moved)) if moved > 0.0 else math.nan
+    return float(np.fmin(run.result.kinetic_ratio, energy[fitted].max() / (scale(analysis) * pushed * moved)))
 
 
 def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
