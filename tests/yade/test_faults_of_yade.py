@@ -57,11 +57,15 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
 
 
 @pytest.mark.yade
-def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(tmp_path: Path, plain_figures: None) -> None:
+@pytest.mark.parametrize("command", ["run", "animate"])
+def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(
+    command: str, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """`crosscheck doctor` finds nothing wrong with YADE then."""
+    monkeypatch.setenv("CROSSCHECK_OUTPUT", str(tmp_path / "out"))
     scene = tmp_path / "two_pads.toml"
     scene.write_text(shipped.find("two_pads").read_text(encoding="utf-8") + "\n[yade]\ntime_step = 1e-3\n", encoding="utf-8")
-    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "-q"]) == USAGE
+    assert main([command, str(scene), "-q"]) == USAGE
     said = answer(tmp_path / "out")
     assert "time_step is 0.001 s; it must be at most" in said["reason"]
     assert "[yade]" in said["next_step"] and "doctor" not in said["next_step"]
