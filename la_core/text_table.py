@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 
 from la_core.errors import SceneError, extra_hint
 
-ROUND_OFF = 1e-8  # of the weight: a smaller reaction is zero but for the residuals of the solver
+ROUND_OFF = 1e-8  # of the weight: a smaller reaction counts as zero
 PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
 OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
 

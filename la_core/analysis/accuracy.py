@@ -15,10 +15,10 @@ from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import AccuracyRecord, Attempt, LimitAnalysis
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
-from la_core.limit import Solution, Status, value_error
+from la_core.limit import Solution, Status
 from la_core.scene import Scene, same_structure
 
-ROUNDED, HISTORY, ELASTIC, GAP = "rounded edges", "friction's history", "elastic settlement", "duality gap"
+ROUNDED, HISTORY, ELASTIC, BOUND = "rounded edges", "friction's history", "elastic settlement", "error of the bound"
 ROUNDED_HISTORY = "friction's history in the part of rounded edges"
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded edges: a smaller inset costs nothing
@@ -145,7 +145,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
         parts[HISTORY] = answer.uncertainty / scale(analysis)
     else:
         del parts[ELASTIC]  # the answer knows no stiffness
-        parts[GAP] = value_error(analysis.sharp.assembly, analysis.sharp.bounds[analysis.main]) / scale(analysis)
+        parts[BOUND] = analysis.sharp.bounds[analysis.main].error / scale(analysis)
         if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
     rounded = analysis.at_inset.sharpest

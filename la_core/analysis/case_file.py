@@ -26,9 +26,9 @@ PACKAGE = Path(__file__).parents[1]
 ROUNDING = 1e-12  # of the largest value: other versions and machines compute the voussoirs of an arch with other rounding errors
 
 
-def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
+def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool, with_error: bool = True) -> tuple[exchange.Field, ...]:
     groups = [f"{problem}/{drive.group}" for problem in ("associated", "associated_sharp") for drive in drives(scene)]
-    fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
+    fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group, with_error))
     for group, with_path in predictions.items():
         fields += exchange.coulomb_fields(group, with_path)
     return fields + exchange.PATH_FIELDS if has_path else fields
@@ -168,7 +168,8 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
     own = exchange.present(path, (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
-    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
+    with_error = exchange.holds(path, f"limit_analysis/associated/{drives(scene)[0].group}/error")
+    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path"), with_error) + own)
     with exchange.values_of(path):
         choices = json.loads(data["scene/effects"])
         effects = Effects(**{**choices, "called_back": tuple(choices["called_back"])})

@@ -137,10 +137,10 @@ def mechanism_and_forces(joints: ElasticJoints, end: End) -> tuple[np.ndarray, n
     return twists * size, global_forces(assembly, last.joints.force)
 
 
-def unbalanced_power(joints: ElasticJoints, end: End) -> float:
-    """Return the change of the value (N, N m or multiplier) by the forces that the end of a path leaves out of balance."""
+def error_by_unbalanced(joints: ElasticJoints, end: End) -> float:
+    """Return the most that the forces out of balance at the end of a path change the value by, N, N m or multiplier."""
     multiplier = joints.value_in_units(end.last.multiplier) if joints.live else 0.0
-    return residuals.power_of_unbalanced(joints.assembly, *mechanism_and_forces(joints, end), multiplier)
+    return residuals.most_power_of_unbalanced(joints.assembly, *mechanism_and_forces(joints, end), multiplier)
 
 
 def end_of(path: QuasiStaticPath) -> End:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from la_core.limit import Solution, Status, value_error
+from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
@@ -27,8 +27,8 @@ class CoulombSolution:
     value : float
         Reaction (N; N m for a rotation) or multiplier on the plateau.
     uncertainty : float
-        Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes. It reaches to the
-        bound where the value is beyond; infinite where the blocks fell on the way.
+        Uncertainty of the value, in its unit, from paths of different viscosity, from what the curve still changes and from the forces out
+        of balance. It reaches to the bound where the value is beyond; infinite where the blocks fell on the way.
     plateaus : (K,) array
         Values of all plateaus where paths end on several or a curve leaves one, that of the answer first; empty where there is one.
     interval : tuple of float
@@ -144,7 +144,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         cone_violation=associated.cone_violation,
         seconds=seconds,
         iterations=iterations,
-        uncertainty=value_error(assembly, associated) + slight,
+        uncertainty=associated.error + slight,
     )
 
 

@@ -141,6 +141,7 @@ _SOLUTION = (
     ("seconds", "f8", (), "s", "solver time"),
     ("iterations", "i8", (), "", "solver iterations"),
     ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
+    ("error", "f8", (), "N, N m or -", "largest error of the value, by its duality gap and by the forces out of balance"),
 )
 _COULOMB = (
     ("status", "str", (), "", "solved, inaccurate or failed; the status of the associated answer where that one has no value"),
@@ -176,9 +177,12 @@ PATH_FIELDS = (
 )
 
 
-def solution_fields(group: str) -> tuple[Field, ...]:
-    """Fields of one associated solution below `limit_analysis/<group>`; its number of contact points is independent."""
-    return _below(group, _SOLUTION)
+def solution_fields(group: str, with_error: bool = True) -> tuple[Field, ...]:
+    """Fields of one associated solution below `limit_analysis/<group>`; its number of contact points is independent.
+
+    with_error: False for files of version 0.2.0, which state no error of a bound.
+    """
+    return _below(group, _SOLUTION if with_error else _SOLUTION[:-1])
 
 
 def coulomb_fields(group: str, with_path: bool = True) -> tuple[Field, ...]:

@@ -1,7 +1,7 @@
 """Associated limit analysis and its relatives; the only room that talks to the conic solver."""
 
 from la_core.limit import section_forces
-from la_core.limit.associated import Solution, Status, solve_associated, value_error
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, solve_sequentially
 from la_core.limit.conic import Cones, Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.falling import share_of_free_fall
@@ -33,5 +33,4 @@ __all__ = [
     "solve_associated",
     "solve_linearised",
     "solve_sequentially",
-    "value_error",
 ]

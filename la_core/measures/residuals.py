@@ -27,22 +27,40 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
 
     forces (C, 3): contact forces, N. multiplier: of the live load.
     """
-    wrenches = assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load
-    unbalanced = per_length(wrenches[assembly.blocks.free], assembly.length)
+    unbalanced = per_length(_unbalanced(assembly, forces, multiplier), assembly.length)
     kept = unbalanced[:, PLANE_FREEDOMS] if assembly.effects.plane else unbalanced
     return float(np.abs(kept).max() / assembly.mean_weight)
 
 
 def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Sum over the free blocks of the power of their unbalanced wrenches in a mechanism with twists (B, 6).
+    """Error of an associated value by the forces out of balance: the sum of the sizes of their powers in the mechanism, block by block.
 
-    The forces balance loads that differ from the given ones by these wrenches. To first order, this changes the reaction (N, N m) or
-    multiplier by their power in the mechanism: small residuals of heavy blocks may matter beside the reaction of light ones.
-    forces (C, 3): contact forces, N. multiplier: of the live load. The unit is that of the value, because the twists are per unit motion
-    of the support or per unit power of the live load.
+    The contact forces balance loads that differ from the given ones by these wrenches. To first order, their power is the change of the
+    reaction (N, N m) or multiplier. Small residuals of heavy blocks may therefore matter beside the reaction of light ones.
+
+    twists (B, 6): the mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): contact forces, N.
+    multiplier: of the live load.
     """
-    wrenches = assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load
-    return float(np.abs(np.sum(wrenches * twists, axis=1))[assembly.blocks.free].sum())
+    return float(np.abs(np.sum(_unbalanced(assembly, forces, multiplier) * twists[assembly.blocks.free], axis=1)).sum())
+
+
+def most_power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
+    """Error of a value without dilatancy by the forces out of balance, at most; infinite where it is unknown.
+
+    A force that presses on a sliding joint also changes its friction. The wrench of a block therefore counts at the block's own speed, or
+    at 1 + mu times the fastest slip at its joints, whichever is larger. Parameters and unit are those of `power_of_unbalanced`.
+    """
+    size = np.linalg.norm(per_length(_unbalanced(assembly, forces, multiplier), assembly.length), axis=1)
+    speed = np.hypot(np.linalg.norm(twists[:, :3], axis=1), assembly.length * np.linalg.norm(twists[:, 3:], axis=1))
+    slip = (1.0 + assembly.points.friction) * contact_speeds(assembly, twists)[1]
+    for block in assembly.contact_blocks:
+        np.maximum.at(speed, block, slip)
+    return float(np.nan_to_num(np.sum(size * speed[assembly.blocks.free]), nan=np.inf))
+
+
+def _unbalanced(assembly: Assembly, forces: np.ndarray, multiplier: float) -> np.ndarray:
+    """Unbalanced wrenches (F, 6) of the F free blocks about their centroids, N and N m."""
+    return (assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load)[assembly.blocks.free]
 
 
 def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:

@@ -99,7 +99,7 @@ def cubes(left_out: set[tuple[int, int, int]]) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("left_out", "corners"),
+    ("left_out", "count"),
     [
         (set(), 0),  # four pairs of opposite cubes meet in the middle
         ({(0, 0, 1)}, 0),  # joints still lead around the middle
@@ -108,6 +108,6 @@ def cubes(left_out: set[tuple[int, int, int]]) -> Scene:
         ({(0, 1, 1), (1, 0, 1), (0, 0, 1), (1, 1, 0)}, 3),  # nothing is below the upper cube: it meets three at an edge or a corner
     ],
 )
-def test_opposite_cubes_that_others_join_are_not_told(left_out: set[tuple[int, int, int]], corners: int) -> None:
+def test_opposite_cubes_that_others_join_are_not_told(left_out: set[tuple[int, int, int]], count: int) -> None:
     found = edge_contacts(cubes(left_out).blocks)
-    assert len(found.pairs) == corners
+    assert len(found.pairs) == count

@@ -88,9 +88,10 @@ def predicted(results: Results) -> Prediction:
     analysis = results.analysis
     bound, coulomb, assembly = analysis.bounds[analysis.main], analysis.coulomb, analysis.assembly
     unknown, motion = (math.nan, math.nan), results.per_motion(bound.twists)
+    of_bound = float(np.nan_to_num(bound.error))  # a file of an earlier version does not hold it
     if slides_unforeseen(results):
         obstacle = "Joints slide in YADE, but in no mechanism of limit analysis."
-        return Prediction(bound.value, unknown, motion, True, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING)
+        return Prediction(bound.value, unknown, motion, True, of_bound, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         doubt, step = _doubt(coulomb, results.scene.unit)
@@ -99,9 +100,9 @@ def predicted(results: Results) -> Prediction:
         return Prediction(coulomb.value, coulomb.interval, path_motion, slides, stated, release, doubt=doubt, next_step=step)
     slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
     if not slides and _may_slide_in_yade(results):
-        return Prediction(bound.value, unknown, motion, True, obstacle=MAY_SLIDE, next_step=next_steps.MODEL_SLIDING)
+        return Prediction(bound.value, unknown, motion, True, of_bound, obstacle=MAY_SLIDE, next_step=next_steps.MODEL_SLIDING)
     obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main, coulomb) if slides else ("", "")
-    return Prediction(bound.value, unknown, motion, slides, obstacle=obstacle, next_step=step)
+    return Prediction(bound.value, unknown, motion, slides, of_bound, obstacle=obstacle, next_step=step)
 
 
 def _release(coulomb: CoulombSolution, assembly: Assembly) -> Release | None:

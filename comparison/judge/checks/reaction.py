@@ -31,7 +31,7 @@ from la_core.analysis import wedging
 from la_core.measures import mechanism
 from la_core.text_table import ROUND_OFF
 
-SHOWN_AS_ZERO = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller differences are shown as 0
+NO_DIFFERENCE = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller differences count as none
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
@@ -91,7 +91,7 @@ def _if_not_for_the_weight(results: Results, check: Check, stated: float) -> Che
     least, difference = least_reaction(analysis), abs(check.difference or 0.0)
     size = max(abs(run.result.reaction), abs(check.limit_analysis or 0.0))
     share = max(MOST_UNCERTAIN, 2.0 * accuracy_share(analysis))
-    is_told = difference > max(stated + float(run.result.uncertainty), share * size, SHOWN_AS_ZERO * least)
+    is_told = difference > max(stated + float(run.result.uncertainty), share * size, NO_DIFFERENCE * least)
     if check.verdict is not Verdict.AGREE or results.scene.live is not None or not is_told:
         return check
     words = f"The {results.scene.quantity}s differ by {percent(difference / size)} and agree only because both are small"

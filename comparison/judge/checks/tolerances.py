@@ -48,7 +48,7 @@ class Unsure:
 def reaction_tolerance(results: Results, stated: float = 0.0) -> float:
     """Return the tolerance of YADE's reaction, N or N m: the floor, YADE's own uncertainty, and what limit analysis states.
 
-    stated: the uncertainty of the prediction, N or N m; 0 for a bound, which is rigorous.
+    stated: the uncertainty of the prediction, or the error of a bound that stands for it, N or N m; 0 for bounds around it.
     """
     run = results.recorded
     return floor(results) + float(run.result.uncertainty) + stated
