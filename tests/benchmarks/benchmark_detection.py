@@ -59,9 +59,6 @@ Written by `python tests/benchmarks/benchmark_detection.py` from {SCENES} random
 [verdicts.md](verdicts.md) with another seed). Scenes, seed and mistakes in the model were fixed before the first run, and no rule of the
 judge follows from them. Where a mistake concerns one block or joint, that is drawn at random. The wrong predictions stand for a wrong
 method: the value alone is wrong.
-
-Since these runs the judge doubts a state of YADE that is out of balance, and a plateau that YADE's value leaves. Some of the mistakes that
-*disagree* here are therefore *inconclusive* today; all stay noticed.
 """
 LEGEND = """*Disagree* or *inconclusive*: the mistake is noticed. *Refused*: the two structures have other numbers of contact points,
 and the judge does not compare them. Changes count over the reaction, or over 1 % of the weight where that is more. Cases in which limit
