@@ -74,7 +74,7 @@ def coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object)
     run = perfect_run(with_answers(analysis, bounds={**analysis.bounds, Drive.YIELDING: stand_in}), **result)
     settlement = np.linspace(0.0, TRAVEL, 400)
     reaction = run.result.reaction * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
-    record = {"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction}
+    record = {"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction, "kinetic_energy": np.full(400, 1e-12)}
     return dataclasses.replace(run, record=made_up_run(record=record).record)
 
 
