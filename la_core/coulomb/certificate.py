@@ -138,7 +138,7 @@ def mechanism_and_forces(joints: ElasticJoints, end: End) -> tuple[np.ndarray, n
 
 
 def error_by_unbalanced(joints: ElasticJoints, end: End) -> float:
-    """Return the most that the forces out of balance at the end of a path change the value by, N, N m or multiplier."""
+    """Return what the forces out of balance at the end of a path change the value by, N, N m or multiplier, on the safe side."""
     multiplier = joints.value_in_units(end.last.multiplier) if joints.live else 0.0
     return residuals.most_power_of_unbalanced(joints.assembly, *mechanism_and_forces(joints, end), multiplier)
 

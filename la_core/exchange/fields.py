@@ -141,7 +141,7 @@ _SOLUTION = (
     ("seconds", "f8", (), "s", "solver time"),
     ("iterations", "i8", (), "", "solver iterations"),
     ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
-    ("error", "f8", (), "N, N m or -", "largest error of the value, by its duality gap and by the forces out of balance"),
+    ("error", "f8", (), "N, N m or -", "estimated error of the value, by its duality gap and by the forces out of balance"),
 )
 _COULOMB = (
     ("status", "str", (), "", "solved, inaccurate or failed; the status of the associated answer where that one has no value"),

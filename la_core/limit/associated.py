@@ -90,7 +90,7 @@ class Solution:
     falling : tuple of str
         Names of the blocks that fall, where the status is INFEASIBLE.
     error : float
-        Largest error of the value, in its unit, by its duality gap and by the forces out of balance; NaN in a file that does not hold it.
+        Estimated error of the value, in its unit, by its duality gap and by the forces out of balance; NaN in a file that does not hold it.
     """
 
     status: Status

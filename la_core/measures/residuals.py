@@ -33,7 +33,7 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
 
 
 def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Error of an associated value by the forces out of balance: the sum of the sizes of their powers in the mechanism, block by block.
+    """Error of an associated value by the forces out of balance: the sum over the blocks of the sizes of their powers in the mechanism.
 
     The contact forces balance loads that differ from the given ones by these wrenches. To first order, their power is the change of the
     reaction (N, N m) or multiplier. Small residuals of heavy blocks may therefore matter beside the reaction of light ones.
@@ -45,7 +45,7 @@ def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarr
 
 
 def most_power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Error of a value without dilatancy by the forces out of balance, at most; infinite where it is unknown.
+    """Estimate, on the safe side, of the error of a value without dilatancy by the forces out of balance; infinite where it is unknown.
 
     A force that presses on a sliding joint also changes its friction. The wrench of a block therefore counts at the block's own speed, or
     at 1 + mu times the fastest slip at its joints, whichever is larger. Parameters and unit are those of `power_of_unbalanced`.
