@@ -99,8 +99,9 @@ def refuses(word: str) -> None:
 def held_yade(folder: Path, after: int = 0) -> tuple[dict[str, str], Path]:
     """Environment in which runs in YADE beyond the first `after` wait before they begin, and the file that lets them go on."""
     python, count, go = (folder / name for name in ("python", "begun", "go on"))
-    wait = f'while [ ! -e "{go}" ] && [ "$(wc -l < "{count}")" -gt {after} ] && kill -0 $PPID; do sleep 0.05; done'
-    alone = "kill -0 $PPID || exit 1"  # nobody is left to read a result
+    awaited = "[ $PPID -gt 1 ] && kill -0 $PPID"  # the parent is 1 where the run was killed before this shell began
+    wait = f'while [ ! -e "{go}" ] && [ "$(wc -l < "{count}")" -gt {after} ] && {awaited}; do sleep 0.05; done'
+    alone = f"{{ {awaited}; }} || exit 1"  # nobody is left to read a result
     python.write_text(f'#!/bin/sh\nif [ "$2" != -c ]; then echo >> "{count}"; {wait}; {alone}; fi\nexec {SYSTEM_PYTHON} "$@"\n')
     python.chmod(0o755)
     return {**os.environ, "CROSSCHECK_YADE_PYTHON": str(python)}, go
