@@ -180,7 +180,7 @@ PATH_FIELDS = (
 def solution_fields(group: str, with_error: bool = True) -> tuple[Field, ...]:
     """Fields of one associated solution below `limit_analysis/<group>`; its number of contact points is independent.
 
-    with_error: False for files of version 0.2.0, which state no error of a bound.
+    with_error: False for files of earlier versions, which state no error of a bound.
     """
     return _below(group, _SOLUTION if with_error else _SOLUTION[:-1])
 

@@ -83,7 +83,8 @@ def measured(number: int, seed: int, folder: Path, mistakes: Sequence[str] = tup
             scene = build(with_mistake(name, tables, one.scene, random), f"mistake_{which}")
             wrong = _run(scene, folder / scene.name)
         except SceneError as error:  # a mistake that the program refuses
-            entries.append(shared | {"mistake": name, "wrong": "both", "verdict": REFUSED, "reason": str(error)})
+            reason = str(error).replace(f"{Path.cwd()}/", "")
+            entries.append(shared | {"mistake": name, "wrong": "both", "verdict": REFUSED, "reason": reason})
             continue
         values = {key: _prediction(it.analysis, one.scene.weight) for key, it in (("right_value", right), ("wrong_value", wrong))}
         for method, (analysis, run_folder) in zip(

@@ -38,6 +38,8 @@ GALLERY = conclusions.GALLERY
 ROOT = GALLERY.parents[1]
 RECORD = read_record()
 PAGES = sorted(GALLERY.glob("*.md"))
+RECORDS = sorted(GALLERY.rglob("*.json"))
+PLACE = re.compile(r"(?<![\w.])/(tmp|home|root|work|var|usr|mnt|Users)/")  # a folder of the machine that measured
 FRESH = [name for name in shipped.names() if name not in shipped.LONG]
 ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
 HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
@@ -254,3 +256,8 @@ def test_the_campaign_after_the_seed_paper_has_all_its_cases_and_its_report_does
     assert len(rows) == counts["agree"] + counts["inconclusive"]
     report = (GALLERY / "seed_paper" / "report.md").read_text(encoding="utf-8")
     assert all(row["case"].replace("_", r"\_") in report for row in rows)
+
+
+@pytest.mark.parametrize("path", [*PAGES, *RECORDS], ids=lambda path: path.name)
+def test_no_page_and_no_record_names_a_folder_of_the_machine_that_measured(path: Path) -> None:
+    assert PLACE.search(path.read_text(encoding="utf-8")) is None
