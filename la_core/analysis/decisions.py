@@ -22,7 +22,7 @@ from la_core.coulomb import (
 )
 from la_core.errors import SceneError
 from la_core.limit import Solution, Status, solve_associated
-from la_core.model import Assembly, Effects
+from la_core.model import Assembly, Effects, distance_to_meet
 from la_core.scene import Scene
 from la_core.text_table import number_text
 
@@ -77,7 +77,9 @@ def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Ca
     if effects.friction == "coulomb" and _may_leave_out_friction(scene) and not settings.follow_path:
         search = _search_sliding(model, settings, bound)
         effects = _with_friction_decided(scene, effects, search)
-    aside, reason = reach.candidate_masks(scene, replace(model.assembly, effects=effects))
+    aside, reason = reach.candidate_masks(
+        scene, replace(model.assembly, effects=effects), distance_to_meet(model.assembly, model.stiffness)
+    )
     if settings.follow_path:
         aside, reason = [], "a path is requested, and at its start every block sags"
     elif aside and (status := bound(model.assembly).status) is not Status.SOLVED:

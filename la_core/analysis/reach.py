@@ -19,6 +19,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from la_core.coulomb import ACCEPTED_RESIDUAL
 from la_core.exchange import FIXED, SUPPORT
+from la_core.geometry import near_pairs
 from la_core.limit import box_limits, maximise, scaled_problem
 from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, residuals
 from la_core.model import Assembly, global_forces, twists_of
@@ -38,10 +39,11 @@ RESTS_ON = 0.1  # component along gravity of an interface's normal, from which o
 TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme, in mean block weights
 
 
-def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
+def candidate_masks(scene: Scene, assembly: Assembly, may_meet: float) -> tuple[list[np.ndarray], str]:
     """Return masks (B,) of free blocks to set aside, the largest first, and why to model the whole structure otherwise.
 
     scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: the whole structure's.
+    may_meet: distance (m) within which two blocks without a joint may meet.
     """
     request, free = scene.effects.reach, assembly.blocks.free
     if scene.support_twist is None:
@@ -53,11 +55,15 @@ def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray],
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
     least = 1 if request is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())
+    masks = [mask for mask in masks if mask.sum() >= least]
+    unjoined = apart(assembly, may_meet)
+    if unjoined.any() and not any(np.array_equal(unjoined, mask) for mask in masks):
+        masks.append(unjoined)
     why_whole = "the motion of the support may affect every free block"
     if small.any():
         too_few = f"fewer than {LEAST_BLOCKS} or than {100.0 * LEAST_SHARE:.0f} % are not worth setting aside"
         why_whole = f"{small.sum()} of {free.sum()} free blocks lie far enough from the support to be set aside; {too_few}"
-    return [mask for mask in masks if mask.sum() >= least], why_whole
+    return masks, why_whole
 
 
 def reason(reduced: Assembly) -> str:
@@ -82,6 +88,19 @@ def region(assembly: Assembly, layers: int) -> np.ndarray:
     bears = blocks.free[below] & blocks.free[above]
     resting = below[bears], above[bears]
     return _closed(_grown(assembly, _closed(start & blocks.free, *resting), layers), *resting)
+
+
+def apart(assembly: Assembly, may_meet: float) -> np.ndarray:
+    """Return the mask (B,) of the free blocks that no chain of blocks joins to the support: its motion cannot affect them.
+
+    A fixed block ends a chain. Blocks whose bounding boxes are at most `may_meet` (m) apart count as joined.
+    """
+    blocks, interfaces = assembly.blocks, assembly.interfaces
+    parts, owner = blocks.parts, blocks.part_block
+    near = owner[near_pairs(parts, np.full(len(parts), 0.5 * may_meet))]
+    pairs = np.concatenate([near, np.stack([interfaces.block_a, interfaces.block_b], axis=1)])
+    a, b = pairs[(blocks.role[pairs] != FIXED).all(axis=1)].T
+    return blocks.free & ~_closed(blocks.role == SUPPORT, np.concatenate([a, b]), np.concatenate([b, a]))
 
 
 def _closed(blocks: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:

@@ -14,9 +14,9 @@ import numpy as np
 from scipy import sparse
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import JointRates, joint_rates
 from la_core.coulomb.path.elastic_joints import ElasticJoints, JointState
 from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.joint_rates import JointRates, joint_rates
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, joint_rates
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.joint_rates import joint_rates
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.coulomb.plateau import FLAT, reference_size
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_by_unbalanced, mechanism_and_forces
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_of_forces, mechanism_and_forces
 from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow_large
 from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
@@ -245,7 +245,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     own = next(k for k, path in enumerate(followed) if path is chosen)
     others = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist()) if own not in group]
     twists, forces = mechanism_and_forces(joints, chosen.end)
-    uncertainty = stated_uncertainty(chosen, followed) + error_by_unbalanced(joints, chosen.end) / unit
+    uncertainty = stated_uncertainty(chosen, followed) + error_of_forces(joints, chosen.end) / unit
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
     certified = certificate.worst <= ACCEPTED_RESIDUAL and not (chosen.is_short or still_smooth)
     certain = uncertainty <= BROAD * plateau.reference_size(value)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_by_unbalanced, mechanism_and_forces
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_of_forces, mechanism_and_forces
 from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, SharedProgress
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import least_travel
@@ -79,7 +79,7 @@ def released(
             return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
     value, unit = chosen.plateau.value, joints.value_in_units(1.0)
-    uncertainty = stated_uncertainty(chosen, on) + error_by_unbalanced(turning, chosen.end) / unit
+    uncertainty = stated_uncertainty(chosen, on) + error_of_forces(turning, chosen.end) / unit
     if not (chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and uncertainty <= BROAD * reference_size(value)):
         return Released(iterations=iterations, is_doubtful=True)
     is_doubtful = uncertainty > EARLY * reference_size(value)

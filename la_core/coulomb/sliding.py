@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from la_core.coulomb.certificate import joint_rates
 from la_core.coulomb.followed_path import annealed
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.joint_rates import joint_rates
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent

@@ -2,7 +2,7 @@
 
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length, unjoined
 from la_core.model.contact_grid import with_grid
-from la_core.model.dem_effects import decide_dem_effects
+from la_core.model.dem_effects import decide_dem_effects, distance_to_meet
 from la_core.model.effects import BOUNDS_HOLD, Effects
 from la_core.model.joints import ELASTIC_SHARE, JointStiffness, connected_to_held, joint_stiffness
 from la_core.model.mirrors import Image, images
@@ -20,6 +20,7 @@ __all__ = [
     "columns",
     "connected_to_held",
     "decide_dem_effects",
+    "distance_to_meet",
     "global_forces",
     "images",
     "joint_stiffness",

@@ -35,9 +35,9 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     request = scene.effects.displacement
     if request == "finite":
         return request, "requested in the scene", float("nan")
-    travel = stiffness.travel * assembly.support_speed
-    moves = f"{'the blocks move along the load by' if assembly.has_live_load else 'the support moves'} {travel:.3g} m"
-    distance = GAP_OVER_TRAVEL * travel
+    distance = distance_to_meet(assembly, stiffness)
+    moves = "the blocks move along the load by" if assembly.has_live_load else "the support moves"
+    moves += f" {distance / GAP_OVER_TRAVEL:.3g} m"
     gap, pair = least_gap(assembly, distance)
     if pair is None:
         why = f"blocks without a joint between them are at least {gap:.3g} m apart, and {moves}: {_LISTED}"
@@ -48,6 +48,11 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
         rule = f"{near}, and may meet where {moves}: less than {distance:.3g} m is too near"
         raise scene.located(SceneError("effects.displacement", rule, value=request, hint='take "finite", or leave it out'))
     return "finite", f"{near}, and {moves}", gap
+
+
+def distance_to_meet(assembly: Assembly, stiffness: JointStiffness) -> float:
+    """Distance within which two blocks without a joint may meet, m."""
+    return GAP_OVER_TRAVEL * stiffness.travel * assembly.support_speed
 
 
 def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, int] | None]:

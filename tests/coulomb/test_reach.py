@@ -218,7 +218,7 @@ def test_a_part_that_cannot_stand_is_found_although_it_could_be_set_aside() -> N
 @pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
 def test_small_shipped_scenes_are_modelled_whole(name: str) -> None:
     scene = load_scene(shipped.find(name))
-    masks, why = reach.candidate_masks(scene, assemble(scene))
+    masks, why = reach.candidate_masks(scene, assemble(scene), INSET)
     assert masks == [] and why
 
 
@@ -227,9 +227,48 @@ def test_what_is_far_from_the_support_is_set_aside_where_it_is_enough(per_course
     """Beyond the reach lie 140 of 511 blocks, 112 of 511, and 20 of 343."""
     auto, asked = (scenes.build(*scenes.wall(per_course, 14, split=split), model="coulomb", reach=choice) for choice in ("auto", True))
     assembly = assemble(auto)
-    assert len(reach.candidate_masks(auto, assembly)[0]) == most
-    masks, _ = reach.candidate_masks(asked, assembly)
+    assert len(reach.candidate_masks(auto, assembly, INSET)[0]) == most
+    masks, _ = reach.candidate_masks(asked, assembly, INSET)
     assert masks and not any((mask & reach.region(assembly, reach.LAYERS[0])).any() for mask in masks)
+
+
+def two_walls(gap: float, *parts: str, **options: Any) -> Scene:
+    """A wall of 5 x 4 blocks whose right end settles, and one of 3 x 3 blocks on ground of its own, a gap (m) beyond its end."""
+    left = 2.0 + gap
+    other = scenes.table(
+        "[wall]", name="other", bond="running", origin=(left, 0.0, 0.0), block=(0.4, 0.3, 0.2), per_course=3, courses=3, first="full"
+    )
+    ground = scenes.box("ground of the other", (left, 0.0, -0.2), (left + 1.2, 0.3, 0.0), "fixed")
+    return scenes.build(*scenes.wall(5, 4, split=1.2), other, ground, *parts, inset=INSET, model="coulomb", **options)
+
+
+def test_blocks_that_nothing_joins_to_the_support_are_set_aside_and_change_no_answer() -> None:
+    """The other wall stands half a metre away: both methods leave it out, however few its blocks are."""
+    part, whole = analyse(two_walls(0.5)), analyse(two_walls(0.5, reach=False))
+    free = [name for name, is_free in zip(whole.assembly.blocks.names, whole.assembly.blocks.free, strict=True) if is_free]
+    aside = [name for name, is_aside in zip(part.assembly.blocks.names, part.assembly.aside, strict=True) if is_aside]
+    assert len(aside) == len(free) - int(analyse(scenes.build(*scenes.wall(5, 4, split=1.2), inset=INSET)).assembly.blocks.free.sum()) > 0
+    assert part.coulomb is not None and whole.coulomb is not None
+    assert part.coulomb.status is Status.SOLVED
+    assert reaction(part) == pytest.approx(reaction(whole), abs=part.coulomb.uncertainty + whole.coulomb.uncertainty)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(two_walls(1e-4), id="they may meet"),
+        pytest.param(two_walls(0.5, scenes.box("beam", (1.7, 0.0, 0.8), (2.7, 0.3, 0.9))), id="a beam joins them"),
+    ],
+)
+def test_walls_that_may_meet_or_that_a_beam_joins_are_modelled_together(scene: Scene) -> None:
+    assert not analyse(scene).assembly.aside.any()
+
+
+def test_a_fixed_block_joins_nothing_to_the_support() -> None:
+    """The same two walls stand on one ground, and lean against one pier."""
+    pier = scenes.box("pier", (2.0, 0.0, 0.0), (2.5, 0.3, 0.6), "fixed")
+    analysis = analyse(two_walls(0.5, pier))
+    assert analysis.assembly.aside.any()
 
 
 def test_a_live_load_reaches_every_block() -> None:

@@ -1,6 +1,7 @@
 """A reaction of light blocks beside heavy ones: the error of its value is known, however small the residuals of the heavy blocks are."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import scenes
 
 from la_core.analysis import analyse
 from la_core.coulomb import prediction, release
-from la_core.coulomb.certificate import error_by_unbalanced
+from la_core.coulomb.certificate import error_of_forces
 from la_core.limit import Status, solve_associated
 from la_core.limit.associated import LEAST_PRECISE
 from la_core.limit.problem import Drive
@@ -105,18 +106,24 @@ def test_forces_that_balance_another_load_are_off_by_their_power(drive: Drive, s
     assert residuals.most_power_of_unbalanced(assembly, solution.twists, lighter.forces, multiplier) >= 0.999 * change
 
 
-def test_where_joints_slide_a_force_out_of_balance_also_changes_friction() -> None:
-    """A stone that slides on a level plate: a weight of 1 N more does no work, and changes the force of the plate by mu."""
-    friction = 0.3
-    scene = scenes.build(
+def sliding_stone(friction: float, *parts: str, **options: Any) -> Scene:
+    """A stone against a stop, on a level plate that slides away below it."""
+    return scenes.build(
         scenes.box("stop", (-0.1, 0.0, 0.0), (0.0, 0.2, 0.1), "fixed"),
         scenes.box("plate", (0.0, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
         scenes.box("stone", (0.0, 0.0, 0.0), (0.2, 0.2, 0.1)),
+        *parts,
         friction=friction,
         settlement=(-1.0, 0.0, 0.0),
         model="coulomb",
+        **options,
     )
-    analysis = analyse(scene)
+
+
+def test_where_joints_slide_a_force_out_of_balance_also_changes_friction() -> None:
+    """A stone that slides on a level plate: a weight of 1 N more does no work, and changes the force of the plate by mu."""
+    friction = 0.3
+    analysis = analyse(sliding_stone(friction))
     assembly, coulomb = analysis.assembly, analysis.coulomb
     assert coulomb is not None
     heavier = replace(assembly, dead_load=assembly.dead_load + np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0]) * assembly.blocks.free[:, None])
@@ -124,11 +131,22 @@ def test_where_joints_slide_a_force_out_of_balance_also_changes_friction() -> No
     assert residuals.most_power_of_unbalanced(heavier, coulomb.twists, coulomb.forces) >= friction
 
 
+@pytest.mark.parametrize("size", [1.0, 5.0, 300.0])
+def test_a_cube_beside_a_sliding_stone_changes_its_prediction_by_no_more_than_it_states(size: float) -> None:
+    """A path takes a hundred-millionth of the mean weight for round-off: all friction of the stone, beside a cube of 300 m."""
+    ground = scenes.box("ground", (5.0, 0.0, -0.2), (5.0 + size, size, 0.0), "fixed")
+    cube = scenes.box("cube", (5.0, 0.0, 0.0), (5.0 + size, size, size))
+    alone, beside_it = (analyse(sliding_stone(0.3, *parts, reach=False)).coulomb for parts in ((), (ground, cube)))
+    assert alone is not None and beside_it is not None
+    assert alone.uncertainty <= 1e-3 * abs(alone.value)
+    assert abs(beside_it.value - alone.value) <= beside_it.uncertainty + alone.uncertainty
+
+
 def test_a_prediction_counts_the_forces_out_of_balance_before_and_after_a_release(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, more = scenes.shipped("wall_third"), 1000.0
     usual = analyse(scene).coulomb
     for module in (prediction, release):
-        monkeypatch.setattr(module, "error_by_unbalanced", lambda joints, end: more + error_by_unbalanced(joints, end))
+        monkeypatch.setattr(module, "error_of_forces", lambda joints, end: more + error_of_forces(joints, end))
     doubtful = analyse(scene).coulomb
     assert usual is not None and doubtful is not None
     assert doubtful.uncertainty == pytest.approx(more, rel=1e-3)
