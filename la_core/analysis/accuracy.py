@@ -10,10 +10,12 @@ import math
 import time
 from dataclasses import replace
 
+import numpy as np
+
 from la_core.analysis.modelling import StructuralModel, smallest_inset
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import AccuracyRecord, Attempt, LimitAnalysis
-from la_core.analysis.settings import AnalysisListener, AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
 from la_core.limit import Solution, Status
 from la_core.scene import Scene, same_structure
@@ -60,8 +62,9 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
     attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
-        analysis = analyse_once(tried, replace(settings, prediction=_paths(level)), listener)
-        attempt = _attempt(analysis, level, start)
+        chosen = replace(settings, prediction=_paths(level))
+        analysis = analyse_once(tried, chosen, listener)
+        attempt = _attempt(analysis, level, start, _change_by_inset(tried, analysis, chosen))
         attempts.append((attempt, analysis))
         finer = _finer(model.scene, analysis, attempt, accuracy, level)
         is_worse = len(attempts) > 1 and attempt.error > attempts[-2][0].error
@@ -103,14 +106,17 @@ def has_history(analysis: LimitAnalysis) -> bool:
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the relative errors that both methods share, by source: rounded edges and elastic joints.
 
-    Where joints slide, the bounds show what rounded edges change: their values have no history. Where blocks lock as they dilate, no
-    bound exists. The predictions at both insets show it then, each to within its uncertainty.
+    Where joints slide, the bounds show what rounded edges change, because their values have no history; an attempt also knows what
+    half the inset changes of the prediction, and the larger one counts. Where blocks lock as they dilate, no bound exists. The predictions
+    at both insets show it then, each to within its uncertainty.
     """
     rounded, sharp, stiffness = analysis.at_inset, analysis.sharp, analysis.stiffness
     by_bounds = has_history(analysis) and not _has_two_predictions(analysis)
     pair = (rounded.bounds[analysis.main], sharp.bounds[analysis.main]) if by_bounds else (rounded.sharpest, sharp.sharpest)
+    attempts = analysis.accuracy.limit_analysis if analysis.accuracy else ()
+    of_attempt = attempts[-1].parts[ROUNDED] if attempts and math.isfinite(attempts[-1].parts.get(ROUNDED, math.nan)) else 0.0
     parts = {
-        ROUNDED: abs(pair[0].value - pair[1].value) / scale(analysis),
+        ROUNDED: float(np.max([abs(pair[0].value - pair[1].value) / scale(analysis), of_attempt])),
         ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
     }
     if _has_two_predictions(analysis):
@@ -132,13 +138,34 @@ def lacks_sharp_prediction(analysis: LimitAnalysis) -> bool:
     return analysis.is_without_bound and analysis.scene.inset > 0.0 and analysis.sharp.coulomb is None
 
 
-def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
+def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: AnalysisSettings) -> float:
+    """Return what rounded edges change of a prediction, relative, by a second one at half the inset.
+
+    The lever arms of joints that slide may change it by several times as much as the bound. The second half of the inset is
+    taken to change it as the first half does. 0 where there is no such prediction, or where the scene fixes the inset; NaN
+    where the second one fails.
+    """
+    answer = analysis.coulomb
+    if not has_history(analysis) or _has_two_predictions(analysis) or answer is None or _is_tied_to_inset(model.scene):
+        return 0.0
+    second = analyse_once(model.with_inset(0.5 * analysis.assembly.inset), settings, Silent()).coulomb
+    return math.nan if second is None else 2.0 * abs(answer.value - second.value) / scale(analysis)
+
+
+def _is_tied_to_inset(scene: Scene) -> bool:
+    """Whether the scene sets what YADE may have for its inset alone."""
+    return bool({"sphere_radius", "max_travel"} & set(scene.yade))
+
+
+def _attempt(analysis: LimitAnalysis, level: int, start: float, change_by_inset: float) -> Attempt:
     """Estimate the relative error of an analysis; NaN without a solution.
 
-    level: index into ATTEMPTS. start: time at which the attempt began, s, by `time.perf_counter`.
+    level: index into ATTEMPTS. start: time at which the attempt began, s, by `time.perf_counter`. change_by_inset: what
+    `_change_by_inset` returns.
     """
     settings: dict[str, float] = {"inset": analysis.assembly.inset}
     answer, parts = stated(analysis), shared_parts(analysis)
+    parts[ROUNDED] = float(np.max([parts[ROUNDED], change_by_inset]))
     if has_history(analysis) and isinstance(answer, CoulombSolution):
         paths = _paths(level)
         settings |= {"viscosity": paths.viscosities[-1], "finer": paths.finer}
@@ -160,8 +187,7 @@ def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: fl
     inset = attempt.settings["inset"]
     least, goal = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy
     rounded = attempt.parts[ROUNDED]
-    is_tied_to_inset = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
-    finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not is_tied_to_inset else inset
+    finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not _is_tied_to_inset(scene) else inset
     history = sum(value for part, value in attempt.parts.items() if part in (HISTORY, ROUNDED_HISTORY))
     is_finer = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not history <= accuracy / 2.0
     return (finer_inset, level + is_finer) if is_finer or finer_inset != inset else None

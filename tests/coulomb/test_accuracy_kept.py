@@ -8,6 +8,7 @@ import pytest
 import scenes
 import unusual_scenes
 from locking_scenes import slot
+from sliding_blocks import SLIDING
 
 import la_core
 from comparison.cli.commands import main
@@ -88,6 +89,34 @@ def test_rounded_edges_are_sharpened_until_they_fit_the_accuracy() -> None:
     assert coarse.assembly.inset == scenes.shipped("two_pads").inset
     assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
     assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
+
+
+@pytest.mark.parametrize("name", ["wall_third", "wall_half", "ferris_tin_loi_1"])
+def test_rounded_edges_change_the_prediction_by_no_more_than_is_told(name: str) -> None:
+    """Twice what half the inset changes, where joints slide; YADE's error has the same part."""
+    scene = with_accuracy(scenes.shipped(name), 0.01)
+    analysis = analyse(scene)
+    assert analysis.accuracy is not None and analysis.coulomb is not None and analysis.coulomb.steps > 0
+    part = analysis.accuracy.limit_analysis[-1].parts[ROUNDED]
+    plain = la_core.variant(scene, {"accuracy": None})
+    values = []
+    for share in (1.0, 0.5):
+        answer = analyse(la_core.variant(plain, {"joint.inset": share * analysis.assembly.inset})).coulomb
+        assert answer is not None
+        values.append(answer.value)
+    assert part >= 2.0 * abs(values[0] - values[1]) / scale(analysis) * (1.0 - 1e-6)
+    assert accuracy_of_analysis.shared_parts(analysis)[ROUNDED] == part
+
+
+def test_the_prediction_may_change_by_more_than_the_bound() -> None:
+    """Blocks whose prediction changes three times as much with the inset as the bound: 1.8 % were told as 0.7 %."""
+    scene = scene_of_text(SLIDING, Path("sliding.toml"), "sliding")
+    sharp = analyse(la_core.variant(scene, {"joint.inset": 0.0, "accuracy": None})).coulomb
+    analysis = analyse(scene)
+    assert sharp is not None and analysis.coulomb is not None and analysis.accuracy is not None
+    last = analysis.accuracy.limit_analysis[-1]
+    assert last.is_within(0.01)
+    assert abs(analysis.coulomb.value - sharp.value) <= last.error * abs(analysis.coulomb.value) + sharp.uncertainty
 
 
 def test_a_finer_answer_takes_less_viscous_paths_and_their_difference_is_the_error() -> None:
