@@ -101,7 +101,7 @@ def _add_solve(add: AddVerb) -> None:
     solve.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     extent = solve.add_mutually_exclusive_group()
     extent.add_argument("--bounds", action="store_true", help="stop after the bounds, which take seconds, and store nothing")
-    path_help = "also follow the reaction from rest to the plateau, like a [path] table in the scene; stores nothing"
+    path_help = "also follow the reaction from rest over one travel of YADE, like a [path] table in the scene; stores nothing"
     extent.add_argument("--path", action="store_true", help=path_help)
     results_help = "folder of `crosscheck run`, where the answer is stored and found again (default: crosscheck-results, or as configured)"
     solve.add_argument("--results", type=Path, metavar="DIR", help=results_help)

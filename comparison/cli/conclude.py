@@ -10,7 +10,7 @@ from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL, USAGE
 from comparison.judge import refuses_setting
 from comparison.provenance import describe
-from comparison.report import angle_words, chosen_head, stored_report, write_pdf, write_report
+from comparison.report import angle_words, chosen_head, notes_of, stored_report, write_pdf, write_report
 from comparison.run_folder import HEAD
 from comparison.verdict import Verdict
 
@@ -62,7 +62,7 @@ def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield what the terminal says under the table of verdicts: notes, the reason or the remarks, then what to do next."""
     if words := angle_words(comparison):
         yield words
-    yield from comparison.get("notes") or []
+    yield from notes_of(comparison)
     is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):

@@ -10,6 +10,7 @@ from comparison.judge.checks.run_checks import check_run
 from comparison.judge.checks.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import answer_of, answer_of_text
+from comparison.judge.greatest_load import greatest_load_summary
 from comparison.judge.requested_accuracy import METHODS, check_accuracy
 from comparison.judge.summary import (
     comparison_summary,
@@ -40,6 +41,7 @@ __all__ = [
     "conclusion_of",
     "effects_summary",
     "for_a_failed_run",
+    "greatest_load_summary",
     "limit_analysis_summary",
     "limit_analysis_values",
     "refuses_setting",

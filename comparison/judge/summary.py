@@ -12,6 +12,7 @@ from comparison.judge.checks.energy import energy_summary
 from comparison.judge.checks.tolerances import LEAST_REACTION, least_reaction
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import first_prediction_summary
+from comparison.judge.greatest_load import greatest_load_summary
 from comparison.judge.requested_accuracy import accuracy_summary
 from comparison.verdict import BEARS_NOTHING, CARRIED_OUT, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
@@ -47,6 +48,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "limit_analysis": limit_analysis_values(analysis),
         "mechanism_measures": dict(_measures(Results(analysis))),
         "accuracy": accuracy_summary(Results(analysis)),
+        "greatest_load": greatest_load_summary(Results(analysis)),
     }
     return without_undefined(summary)
 
@@ -150,6 +152,7 @@ def comparison_summary(
         "first_prediction": first_prediction_summary(first, analysis),
         "yade": yade and yade | _of_live_load(analysis.scene, yade),
         "accuracy": accuracy_summary(results),
+        "greatest_load": greatest_load_summary(results),
         "curves": curves_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],

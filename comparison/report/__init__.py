@@ -3,8 +3,8 @@
 from comparison.report import viewer
 from comparison.report.facts import stone_density, structure_facts
 from comparison.report.paraview import export_results
-from comparison.report.pdf import write_pdf
-from comparison.report.plain_words import angle_words, predicted_value
+from comparison.report.pdf import find_browser, write_pdf
+from comparison.report.plain_words import angle_words, notes_of, predicted_value
 from comparison.report.report import chosen_head, stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
@@ -12,7 +12,9 @@ __all__ = [
     "angle_words",
     "chosen_head",
     "export_results",
+    "find_browser",
     "flat",
+    "notes_of",
     "predicted_value",
     "stone_density",
     "stored_report",

@@ -13,6 +13,11 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 PATIENCE = 300.0  # s for one page; a report of many scenes takes a few
 
 
+def find_browser() -> str | None:
+    """Return the path of an installed browser that prints pages; None where there is none."""
+    return next((found for name in BROWSERS if (found := shutil.which(name))), None)
+
+
 def write_pdf(page: Path) -> Path:
     """Print a report to a PDF file beside it and return its path.
 
@@ -23,7 +28,7 @@ def write_pdf(page: Path) -> Path:
     page : Path
         The HTML page of a report.
     """
-    program = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    program = find_browser()
     if program is None:
         rule = "needs Chromium or Chrome, which is not installed"
         raise PrinterMissingError(f"a PDF {rule}; `apt-get install chromium`, or open {page} in any browser and print it")

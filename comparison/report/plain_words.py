@@ -94,7 +94,7 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     elif exists(predicted):
         most, bound = ("no more than ", f": {UPPER}") if _is_bound(comparison, "multiplier") else ("", "")
         yield (
-            f"Pushed{direction} by a share of every block's weight, the structure fails at {most}{format_number(predicted, 4)} times "
+            f"Pushed{direction} by a share of every block's weight, {_moves_at(comparison)} {most}{format_number(predicted, 4)} times "
             f"{weight}, {'W = ' if weight == ALL_PUSHED else ''}{units.text(size, 'N', 4)}{bound}."
         )
     if exists(predicted):
@@ -127,7 +127,20 @@ def angle_words(comparison: dict[str, Any]) -> str:
         found += f" and of {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
     axis = (comparison.get("structure") or {}).get("tilt")
     about = f" about {_vector(axis)}" if axis else ""
-    return f"The structure fails at a tilt of the ground{about} of {found}; the multiplier is the tangent of this angle."
+    moves = _moves_at(comparison)
+    return f"{moves[0].upper()}{moves[1:]} a tilt of the ground{about} of {found}; the multiplier is the tangent of this angle."
+
+
+def notes_of(comparison: dict[str, Any]) -> Iterator[str]:
+    """Yield the notes of a comparison, and what is known of a greater load on the way to its plateau."""
+    yield from comparison.get("notes") or []
+    if greatest := comparison.get("greatest_load"):
+        yield greatest["words"]
+
+
+def _moves_at(comparison: dict[str, Any]) -> str:
+    """Return what happens at the load of the answer: blocks keep moving at it where the structure has carried more on the way."""
+    return "the blocks keep moving at" if comparison.get("greatest_load") else "the structure fails at"
 
 
 def predicted_value(comparison: dict[str, Any]) -> float:
@@ -158,7 +171,9 @@ def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
     count, total = (facts.get("moving_blocks") or {}).get("limit_analysis"), (facts.get("blocks") or {}).get("free")
     measures = comparison.get("mechanism_measures") or {}
     share = ((measures.get("coulomb") or measures.get("associated")) or {}).get("moving_mass_share")
-    if not count:
+    if count is None:
+        return "it is unknown which blocks move"
+    if count == 0:
         return "no block moves"
     if count == total == 1:
         return "the only block moves"
@@ -204,5 +219,5 @@ def _vector(entries: Any) -> str:
 
 
 def _assumed(facts: dict[str, Any]) -> str:
-    friction = " to ".join(f"{value:.4g}" for value in dict.fromkeys((facts["friction"][0], facts["friction"][-1]))) or "–"
+    friction = " to ".join(f"{value:.4g}" for value in dict.fromkeys((facts["friction"][0], facts["friction"][-1])))
     return f"Assumed: friction coefficient {friction}, dry joints without mortar, cohesion or tension, rigid blocks that do not crush."

@@ -20,7 +20,7 @@ from comparison.numbers import (
 )
 from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints, reactions
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
-from comparison.report.plain_words import plain_words
+from comparison.report.plain_words import notes_of, plain_words
 from comparison.report.templating import flat
 from comparison.report.values import associated_of, expected_rows, range_end, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
@@ -50,7 +50,7 @@ COULOMB_EVIDENCE = {
     "sliding_residual": "dissipation less the power of friction against the slip, over the power put in",
     "strain_residual": "power of the weights less dissipation and power of the reaction, over the power put in",
     "drift": "relative change of the mean value from the second quarter of the travel to its second half",
-    "travel": "motion of the support at the end of the path, over YADE's travel",
+    "travel": "motion of the support, or mean displacement along the load, at the end of the path, over YADE's travel",
 }
 
 
@@ -115,7 +115,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
 def _notes(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield what a reader should know before the figures: earlier attempt, notes, small rotations, joints of one method only."""
     yield from _first_verdict(comparison)
-    yield from comparison.get("notes") or []
+    yield from notes_of(comparison)
     effects = {} if associated_of(comparison).get("status") == "infeasible" else comparison.get("effects") or {}  # a fall is no answer
     if effects.get("friction") == "coulomb" and effects.get("rotation") == "small" and (reason := effects["reasons"].get("rotation")):
         yield f"Rotations of the blocks are small: {reason}."  # results of version 0.2.0 have no reason

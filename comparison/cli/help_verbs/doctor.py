@@ -14,6 +14,7 @@ from comparison.cli.exit_codes import AGREE, TOOL
 from comparison.cli.tables import new_table, plain
 from comparison.errors import YadeMissingError
 from comparison.provenance import PACKAGES
+from comparison.report import find_browser
 from comparison.settings import load_settings, unknown_variables
 from comparison.yade import HOW_TO_GET_YADE, find_yade
 from la_core.errors import how_to_install
@@ -74,6 +75,10 @@ def examine() -> list[Finding]:
         findings.append(Finding("YADE", True, state, yade.caution))
     except YadeMissingError as error:
         findings.append(Finding("YADE", False, str(error), HOW_TO_GET_YADE))
+    findings += [
+        _program("Chromium or Chrome", find_browser(), "a report as PDF needs it: `apt-get install chromium`"),
+        _program("ffmpeg", shutil.which("ffmpeg"), "an animation as MP4 needs it: `apt-get install ffmpeg`"),
+    ]
     free = shutil.disk_usage(".").free / 1e9
     findings.append(
         Finding("disk", free > 1.0, f"{free:.0f} GB free here", "" if free > 1.0 else "free some space: a run stores several megabytes")
@@ -119,6 +124,11 @@ def _package(name: str, allowed: str, extra: str) -> Finding:
     if is_allowed(version, allowed):
         return Finding(part, True, version, needed=not extra)
     return Finding(part, False, f"{version}; must be {allowed}", how_to_install(f'"{name}{allowed}"'), not extra, True)
+
+
+def _program(name: str, place: str | None, remedy: str) -> Finding:
+    """Return the finding of a program that some commands start; place: its path, or None."""
+    return Finding(name, place is not None, place or "not installed", "" if place else remedy, needed=False)
 
 
 def is_allowed(version: str, allowed: str) -> bool:

@@ -6,7 +6,15 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, INCONCLUSIVE, SEVERITY
-from comparison.judge import check_accuracy, check_answer, check_expected, conclusion_of, limit_analysis_summary, limit_analysis_values
+from comparison.judge import (
+    check_accuracy,
+    check_answer,
+    check_expected,
+    conclusion_of,
+    greatest_load_summary,
+    limit_analysis_summary,
+    limit_analysis_values,
+)
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
@@ -55,6 +63,8 @@ def execute(context: Context) -> int:
         if not narration.has_printed_bounds:  # they were stored, or are those of the last attempt
             _tell_whether_it_stands(analysis, context)
         _print_rest(scene, limit_analysis_values(analysis), checks, narration.has_printed_bounds, context)
+        if greatest := greatest_load_summary(Results(analysis)):
+            context.tell(greatest["words"])
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
@@ -91,6 +101,9 @@ def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_p
         context.table(rest)
     if answer["path"] is not None:
         context.table(tables.path_table(scene, answer["path"]))
+        context.tell(
+            "The path ends here, on the plateau or before it. A larger `settlement` in the scene's [path] table follows it further."
+        )
 
 
 def _statuses(analysis: LimitAnalysis, bounds_only: bool) -> set[Status]:

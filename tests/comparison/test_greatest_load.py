@@ -1,0 +1,86 @@
+"""A live load that has been greater on the way to its plateau is told, by both methods, and is no part of the verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from runs import made_up_run
+
+from comparison.judge import greatest_load_summary
+from comparison.report.plain_words import angle_words
+from comparison.yade import Results
+from la_core.analysis import analyse
+from la_core.analysis.result import LimitAnalysis
+
+
+def pushed(**changes: object) -> LimitAnalysis:
+    """A block on a fixed base, pushed sideways, with other numbers of its prediction."""
+    scene = scenes.build(
+        scenes.box("base", (0.0, 0.0, -0.2), (1.0, 0.3, 0.0), "fixed"),
+        scenes.box("block", (0.2, 0.0, 0.0), (0.6, 0.3, 0.4)),
+        friction=0.3,
+        live=(1.0, 0.0, 0.0),
+        model="coulomb",
+    )
+    analysis = analyse(scene)
+    assert analysis.coulomb is not None
+    answers = replace(analysis.at_inset, coulomb=replace(analysis.coulomb, **changes))
+    return replace(analysis, at_inset=answers)
+
+
+def test_a_curve_that_rises_to_its_plateau_has_no_greater_load() -> None:
+    analysis = pushed()
+    assert analysis.coulomb is not None and len(analysis.coulomb.path_value)
+    assert greatest_load_summary(Results(analysis)) is None
+
+
+@pytest.mark.parametrize(("greatest", "told"), [(0.28, 0.28), (0.2, None), (0.2018, None), (5.0, 0.3)])
+def test_a_greater_load_on_the_way_is_told_up_to_the_bound(greatest: float, told: float | None) -> None:
+    """The plateau is 0.2; 1 % more is no other answer, and no state in balance lies above the bound of 0.3."""
+    analysis = pushed(value=0.2, uncertainty=1e-4, path_settlement=np.array([0.0, 1e-4, 1e-3]), path_value=np.array([0.0, greatest, 0.2]))
+    found = greatest_load_summary(Results(analysis))
+    if told is None:
+        assert found is None
+        return
+    assert found is not None and found["limit_analysis"] == pytest.approx(told, rel=1e-3) and "yade" not in found
+    assert f"rose to about {told:.3f} in limit analysis. A load that only grows" in found["words"]
+
+
+def test_each_method_speaks_of_its_own_way() -> None:
+    way = {"path_settlement": np.array([0.0, 1e-3]), "path_value": np.array([0.0, 0.2])}
+    analysis = pushed(value=0.2, uncertainty=1e-4, **way)
+    multipliers = np.array([0.0, 0.25, 0.21, 0.2])
+    record = {"stage": np.ones(4, dtype=int), "settlement": np.linspace(0.0, 1e-3, 4), "reaction": multipliers}
+    run = made_up_run({"status": "plateau", "reaction": 0.2, "uncertainty": 0.002}, record)
+    found = greatest_load_summary(Results(analysis, run))
+    assert found is not None and found["yade"] == 0.25 and "limit_analysis" not in found
+    assert "0.2500 in YADE" in found["words"] or "0.250 in YADE" in found["words"]
+
+
+def test_a_structure_of_five_blocks_stands_at_more_than_its_plateau() -> None:
+    """A model of contacts by another hand, under a load that only grows, rests at 0.240 and 0.245 and falls from 0.250 to 0.255 on."""
+    right, height, depth = 1.078, 1.0793, 0.5715
+    edges = ((0.0, 0.539, 257.0), (0.539, right, 2062.0), (0.0, 0.2148, 547.0), (0.2148, 0.7538, 1419.0), (0.7538, right, 4967.0))
+    parts = [
+        scenes.box(f"b{k}", (left, 0.0, height * (k > 1)), (end, depth, height * (1 + (k > 1))), density=density)
+        for k, (left, end, density) in enumerate(edges)
+    ]
+    ground = (-0.2, 0.4578, 0.7618, 0.8303, 1.278)
+    parts += [scenes.box(f"g{k}", (ground[k], 0.0, -0.3), (ground[k + 1], depth, 0.0), "fixed") for k in range(4)]
+    parts.append(scenes.table("[friction]", between=["b3", "b2"], friction=0.4862))
+    analysis = analyse(scenes.build(*parts, friction=0.4923, inset=0.001, live=(-1.0, 0.0, 0.0), model="auto"))
+    found = greatest_load_summary(Results(analysis))
+    assert analysis.coulomb is not None and analysis.coulomb.value == pytest.approx(0.197, rel=0.01)
+    assert found is not None and 0.245 < found["limit_analysis"] < 0.255
+
+
+def test_a_settlement_has_no_greatest_load() -> None:
+    assert greatest_load_summary(Results(analyse(scenes.shipped("two_pads")))) is None
+
+
+def test_the_angle_of_a_plateau_is_not_called_the_angle_of_failure_where_the_structure_has_stood_steeper() -> None:
+    comparison = {"limit_analysis": {"coulomb": {"angle": 20.0, "angle_uncertainty": 0.01}}, "structure": {"tilt": [0.0, 1.0, 0.0]}}
+    assert angle_words(comparison).startswith("The structure fails at a tilt of the ground about y of 20")
+    steeper = comparison | {"greatest_load": {"words": "..."}}
+    assert angle_words(steeper).startswith("The blocks keep moving at a tilt of the ground about y of 20")
