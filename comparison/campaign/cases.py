@@ -128,13 +128,8 @@ def axes(definition: Definition, cases: list[Case]) -> dict[str, list[Any]]:
 
 def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
     """Return the path and the text of a sweep's scene: relative to the campaign's folder, with or without `.toml`, or shipped."""
-    relative = definition.path.parent / sweep.scene
-    complete = relative.with_name(f"{relative.name}.toml") if relative.name else relative
     try:
-        if relative.is_file() or relative.suffix == ".toml":
-            path = relative
-        else:
-            path = complete if complete.is_file() and sweep.scene not in shipped.names() else shipped.find(sweep.scene)
+        path = shipped.find(sweep.scene, definition.path.parent)
         return path, load_scene(path).text
     except SceneError as error:
         raise SceneError(str(definition.path), str(error)) from error

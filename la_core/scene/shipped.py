@@ -28,22 +28,34 @@ def names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
-def find(scene: str) -> Path:
-    """Path of a scene given by path, with or without `.toml`, or by a shipped scene's name; raises SceneError when there is neither."""
+def place(name: str) -> Path:
+    """Path of a shipped scene."""
+    return FOLDER / f"{name}.toml"
+
+
+def find(scene: str, folder: Path = Path()) -> Path:
+    """Path of a scene given by path from a folder on, with or without `.toml`, or by a shipped scene's name.
+
+    Raises SceneError where there is neither, and where a name is that of a shipped scene and of a file in the folder.
+    """
     if not scene:
         raise SceneError('""', "names no scene", hint="give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them")
-    path = Path(scene)
+    path = folder / scene
     if path.suffix == ".toml" or path.is_file():
         return path
-    if scene not in names():
-        if (complete := path.with_name(f"{path.name}.toml") if path.name else path).is_file():
-            return complete
-        if path.is_dir():
-            raise SceneError(scene, "is a folder, not a scene file")
-        guess = nearest(scene, names(), "scenes")
-        hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
-        raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
-    return FOLDER / f"{scene}.toml"
+    complete = path.with_name(f"{path.name}.toml") if path.name else path
+    if scene in names():
+        if complete.is_file() and not complete.samefile(place(scene)):
+            hint = f'"{scene}.toml" is the file; rename the file to use the shipped scene'
+            raise SceneError(scene, "names both a shipped scene and a file here", hint=hint)
+        return place(scene)
+    if complete.is_file():
+        return complete
+    if path.is_dir():
+        raise SceneError(scene, "is a folder, not a scene file")
+    guess = nearest(scene, names(), "scenes")
+    hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
+    raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
 
 
 def load(scene: Scene | Path | str) -> Scene:

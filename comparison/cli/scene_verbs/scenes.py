@@ -8,7 +8,7 @@ from la_core.scene import Scene, load_scene, shipped
 
 def execute(context: Context) -> int:
     """List the shipped scenes with their expected values."""
-    scenes = [load_scene(shipped.find(name)) for name in shipped.names()]
+    scenes = [load_scene(shipped.place(name)) for name in shipped.names()]
     if context.options.json:
         context.print_json({"scenes": [_row(scene) for scene in scenes]})
     else:

@@ -1,0 +1,57 @@
+"""A name leads to one scene: where a shipped scene and a file here share it, the command asks which."""
+
+from pathlib import Path
+
+import pytest
+from faulty_runs import one_message
+
+from comparison.cli.commands import main
+from la_core.errors import SceneError
+from la_core.scene import shipped
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder, which is the current one."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_file_with_the_name_of_a_shipped_scene_is_not_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "facade"]) == 0
+    capsys.readouterr()
+    assert main(["show", "facade"]) == 2
+    one_message(capsys.readouterr().err, 'names both a shipped scene and a file here; "facade.toml" is the file')
+    assert shipped.find("facade.toml") == Path("facade.toml")
+    assert shipped.find("two_pads") == shipped.place("two_pads")
+    assert main(["scenes"]) == 0
+
+
+def test_a_shipped_scene_may_be_named_in_the_folder_of_the_shipped_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(shipped.FOLDER)
+    assert shipped.find("two_pads") == shipped.place("two_pads")
+
+
+def test_a_campaign_looks_beside_itself(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = here / "studies"
+    folder.mkdir()
+    (folder / "wall_third.toml").write_text(shipped.place("two_pads").read_text())
+    campaign = folder / "study.toml"
+    campaign.write_text('title = "One"\n[[sweep]]\nscene = "wall_third"\n')
+    assert main(["campaign", str(campaign), "--no-yade", "-o", str(here / "out")]) == 2
+    one_message(capsys.readouterr().err, "wall_third: names both a shipped scene and a file here")
+    campaign.write_text('title = "One"\n[[sweep]]\nscene = "wall_third.toml"\n')
+    assert main(["campaign", str(campaign), "--no-yade", "-o", str(here / "out")]) == 0
+
+
+def test_a_campaign_with_the_name_of_a_shipped_one_is_not_passed_over(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (here / "seed_paper.toml").write_text('title = "Mine"\n[[sweep]]\nscene = "two_pads"\n')
+    assert main(["campaign", "seed_paper", "--no-yade", "-o", "out"]) == 2
+    one_message(capsys.readouterr().err, 'seed_paper: names both a shipped campaign and a file here; "seed_paper.toml" is the file')
+
+
+def test_the_path_of_a_scene_in_another_folder_may_lack_its_ending(here: Path) -> None:
+    (here / "of_mine.toml").write_text(shipped.place("two_pads").read_text())
+    assert shipped.find("of_mine", here) == here / "of_mine.toml"
+    with pytest.raises(SceneError, match="neither a file nor a shipped scene"):
+        shipped.find("of_nobody", here)
