@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib.patheffects
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
@@ -48,10 +48,10 @@ def drawn_roles(assembly: Assembly) -> list[int]:
     return [int(role) for role in np.where(assembly.aside, ASIDE, assembly.blocks.role)]
 
 
-def tint(colour: str) -> str:
-    """Return a lighter shade of a colour, for areas under black edges and marks."""
-    red, green, blue = (round(255 * (0.6 * channel + 0.4)) for channel in to_rgb(colour))
-    return f"#{red:02x}{green:02x}{blue:02x}"
+def tint(colour: str, white: float = 0.4) -> str:
+    """Return a lighter shade of a colour, by its share of white: that of areas under black edges and marks unless told otherwise."""
+    red, green, blue = ((1.0 - white) * channel + white for channel in to_rgb(colour))
+    return to_hex((red, green, blue))
 
 
 def structure_size(blocks: Blocks) -> float:

@@ -77,12 +77,12 @@ def run_once(
         Called with YADE's progress lines.
     """
     start = time.perf_counter()
-    effects = scene.effects.model_copy(update={"friction": "associated", "elasticity": "auto"})  # YADE needs no prediction
-    changed = replace(scene, inset=inset, yade=settings, effects=effects, path_asked=None)
+    changed = replace(scene, inset=inset, yade=settings, path_asked=None)
     folder.mkdir(parents=True, exist_ok=True)
-    analysis = analyse(changed)
+    analysis = analyse(changed)  # with the prediction: some settings of a run follow from its path
     write_case(folder / "case.h5", analysis, folder.name)
-    built = time.perf_counter() - start
+    predicting = 0.0 if analysis.coulomb is None else analysis.coulomb.seconds
+    built = time.perf_counter() - start - predicting
     run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
     run = read_run(folder / "run.h5", analysis.assembly)
     value = run.result.reaction if run.status == "plateau" else float("nan")

@@ -5,11 +5,10 @@ import textwrap
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from comparison.figures import FAINT, INK, method_colour, own_style
+from comparison.figures import FAINT, INK, method_colour, own_style, tint
 from comparison.studies.cost import LEAST_ERROR, CostPoint, CostStudy, front
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION
 
@@ -85,8 +84,7 @@ def _colour(family: str, own: list[str]) -> Any:
     """Return YADE's colour, or a shade of limit analysis' for each of its `own` families, from dark to light."""
     if family not in own:
         return method_colour(family)
-    lighter = LIGHTEST * own.index(family) / max(len(own) - 1, 1)
-    return tuple(channel + lighter * (1.0 - channel) for channel in to_rgb(method_colour(family)))
+    return tint(method_colour(family), LIGHTEST * own.index(family) / max(len(own) - 1, 1))
 
 
 def _stated(rung: CostPoint) -> float:

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, own_style
+from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, own_style, tint
 from comparison.studies.sensitivity import Sensitivity, Trial
 from la_core.limit import Status
 
@@ -60,9 +59,13 @@ def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float
 
 def _style(k: int, count: int) -> dict[str, Any]:
     """Return the line style of the k-th of `count` slopes: from dark to light, with different markers and dashes."""
-    white = LIGHTEST * k / max(count - 1, 1)
-    colour = tuple((1.0 - white) * channel + white for channel in to_rgb(LIMIT_ANALYSIS))
-    return {"color": colour, "marker": MARKERS[k % len(MARKERS)], "linestyle": LINES[k % len(LINES)], "markeredgecolor": INK}
+    colour = tint(LIMIT_ANALYSIS, LIGHTEST * k / max(count - 1, 1))
+    return {
+        "color": colour,
+        "marker": MARKERS[k % len(MARKERS)],
+        "linestyle": LINES[k % len(LINES)],
+        "markeredgecolor": INK,
+    }
 
 
 def _draw_slope(axes: Any, trials: list[Trial], shift: float, values: list[float], style: dict[str, Any]) -> None:
@@ -99,7 +102,6 @@ def _finish(value: Any, count: Any, result: Sensitivity, relaxations: list[float
         axes.tick_params(labelsize=8)
         axes.grid(color=FAINT, alpha=0.25, linewidth=0.5)
         axes.margins(y=0.1)
-    count.set_ylim(bottom=0.0)
     shared = result.parameters
     settings = f"cohesion {shared.cohesion:g} and tolerance {shared.tolerance:g} of the mean block weight"
     value.set_title(f"{result.scene}: {settings}", fontsize=9, loc="left", parse_math=False)

@@ -177,3 +177,18 @@ def test_an_axis_of_seconds_has_at_least_two_numbers(greatest: float, tmp_path: 
         low, high = axes.get_ylim()
         texts = axes.yaxis.get_ticklabels(which="both")
         assert len([text for text in texts if text.get_text() and low <= text.get_position()[1] <= high]) >= 2
+
+
+@pytest.mark.parametrize("numbers", [(31, 38), (65, 75), (101, 104), (11, 19), (31, 31)])
+def test_cases_of_nearly_the_same_size_have_their_figure_of_costs(numbers: tuple[int, int], tmp_path: Path) -> None:
+    """No round number of blocks lies between them: the axis has their own."""
+    table = campaign(tmp_path)
+    rows = [row | {"free_blocks": number} for row, number in zip(table.rows, numbers, strict=False)]
+    costs = [{"case": row["case"], "limit_analysis_seconds": 0.1 * (k + 1)} for k, row in enumerate(rows)]
+    figure = case_cost_figure(replace(table, rows=rows, costs=costs))
+    assert figure is not None
+    figure.draw_without_rendering()
+    left = figure.axes[0]
+    low, high = left.get_xlim()
+    shown = [float(text.get_text()) for text in left.get_xticklabels() if text.get_text()]
+    assert shown and all(low <= number <= high for number in shown)

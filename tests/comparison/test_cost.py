@@ -14,16 +14,19 @@ from faulty_runs import PATIENCE
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import CANNOT_STAND
 from comparison.errors import YadeFailedError
-from comparison.studies import cost
+from comparison.studies import cost, cost_yade
 from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
 from comparison.studies.figure_of_cost import cost_figure
 from comparison.yade import installation
+from la_core import exchange
+from la_core.analysis import analyse, write_case
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.model.contact_grid import with_grid
+from la_core.scene import variant
 
 pytestmark = pytest.mark.slow
 
@@ -160,6 +163,24 @@ def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() ->
     assert value == "0.168 ± 0.003"
     figure.canvas.draw()
     assert not any(axes.get_legend().get_window_extent().overlaps(axes.get_window_extent()) for axes in figure.axes)  # it hides no mark
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("effects", [{}, {"rotation": "finite"}])
+def test_yade_climbs_with_the_settings_of_a_run(effects: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Some settings follow from the path of limit analysis, and finite rotations need it."""
+
+    def ended(*_: object) -> None:
+        raise InterruptedError
+
+    scene = variant(scenes.shipped("wall_third"), {f"effects.{name}": value for name, value in effects.items()})
+    monkeypatch.setattr(cost_yade, "run_yade", ended)
+    with pytest.raises(InterruptedError):
+        cost_yade.run_once(scene, scene.inset, dict(scene.yade), installation.find_yade(), tmp_path / "rung", lambda report: None)
+    write_case(tmp_path / "run.h5", analyse(scene), "rung")
+    files = tmp_path / "rung" / "case.h5", tmp_path / "run.h5"
+    rung, run = (exchange.read(path, [field for field in exchange.CASE_FIELDS if field.path == "scene/settings"]) for path in files)
+    assert rung == run and rung["scene/settings"]
 
 
 @pytest.mark.yade

@@ -34,12 +34,13 @@ def case_cost_figure(table: CampaignTable) -> Figure | None:
         existing = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
         left.plot([blocks[cost["case"]] for _, cost in existing], [cost[name] for _, cost in existing], **style)
         right.plot([k for k, _ in existing], [cost[name] for _, cost in existing], **style)
-    _finish(left, right, [cost["case"] for cost in dearest])
+    _finish(left, right, [cost["case"] for cost in dearest], np.unique([blocks[cost["case"]] for cost in dearest]).tolist())
     shared_axes.legend(figure, [_handle(table, name) for name in SECONDS])
     return figure
 
 
-def _finish(left: Any, right: Any, names: list[str]) -> None:
+def _finish(left: Any, right: Any, names: list[str], numbers: list[Any]) -> None:
+    """Set scales, ticks and labels. names: of the cases; numbers: of their free blocks, rising."""
     left.set_xscale("log")
     for axes in (left, right):
         axes.set_yscale("log")
@@ -48,7 +49,8 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
         axes.set_ylabel("time of the method (s)", fontsize=9)
     left.margins(x=0.1)
     low, high = left.get_xlim()
-    sizes = [first * 10**k for k in range(7) for first in SIZES if low <= first * 10**k <= high]
+    round_sizes = [first * 10**k for k in range(7) for first in SIZES if low <= first * 10**k <= high]
+    sizes = round_sizes if len(round_sizes) > 1 else numbers
     kept = [sizes[k] for k in shared_axes.apart(np.log(sizes), [str(size) for size in sizes])]
     left.set_xticks(kept, [str(size) for size in kept])
     left.xaxis.set_minor_locator(NullLocator())

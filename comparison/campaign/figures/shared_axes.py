@@ -6,13 +6,12 @@ from typing import Any, TypeVar
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from comparison.campaign.parameter_labels import label, shown
 from comparison.campaign.row_groups import is_number, key
-from comparison.figures import FAINT
+from comparison.figures import FAINT, tint
 
 WIDTH = 11.0  # inches, as in the other figures of the report
 COLUMNS = 3  # of panels
@@ -83,7 +82,7 @@ def is_logarithmic(places: Sequence[float]) -> bool:
 def apart(places: np.ndarray, words: Sequence[str]) -> list[int]:
     """Return the indices of rising places whose texts (`words`) fit without touching the previous text."""
     kept: list[int] = []
-    room = APART * max(float(np.ptp(places)), 1e-300) / 4.0
+    room = APART * max(float(np.ptp(places)), 1e-300) / 4.0 if len(places) else 0.0
     for k, place in enumerate(places):
         if not kept or place - places[kept[-1]] >= room * (len(words[k]) + len(words[kept[-1]])) / 2.0:
             kept.append(k)
@@ -114,9 +113,7 @@ def spread(items: Sequence[Item], most: int) -> list[Item]:
 
 def shade(colour: str, k: int, count: int) -> str:
     """Return the colour of the k-th of `count` series, from the full colour to a lighter one."""
-    white = LIGHTEST * k / max(count - 1, 1)
-    red, green, blue = ((1.0 - white) * channel + white for channel in to_rgb(colour))
-    return to_hex((red, green, blue))
+    return tint(colour, LIGHTEST * k / max(count - 1, 1))
 
 
 def series_style(k: int) -> dict[str, Any]:
