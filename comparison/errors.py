@@ -74,7 +74,7 @@ def message_of(error: BaseException) -> str:
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _NO_ROOM in str(error)):
         return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
     if isinstance(error, KeyboardInterrupt):
-        return "stopped; finished stages are kept, and the same command continues from there"
+        return "; ".join(["stopped", *map(str, error.args)])
     fault = f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
     return missing_part(error) if isinstance(error, ModuleNotFoundError) else _about_encoding(error) or fault
 

@@ -141,7 +141,8 @@ def percent(share: float | None, digits: int = 2) -> str:
     """Return a share in per cent with some significant digits, from 100 % on without decimals, or a dash where it is undefined."""
     if share is None or not math.isfinite(share):
         return DASH
-    return f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.{digits}g} %"
+    text = f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.{digits}g} %"
+    return text.replace("-", "−", 1) if share < 0.0 else text
 
 
 def plural(count: int, word: str) -> str:
@@ -199,8 +200,9 @@ def round_below(value: float) -> float:
 
 LENGTHS = {"m": (1e-3, "mm"), "rad": (1e-3, "mrad")}
 # Numbers of one SI unit within a sentence: "2552.39 to 3340.92 N", "363.3 ± 0.1 N", "363.3, 402 N", "12.5 N m", "4e-05 m".
-_NUMBER = r"[-−]?\d[\d.]*(?:e[-+]?\d+)?"
-_IN_WORDS = re.compile(rf"(?<![\w.])(?P<numbers>{_NUMBER}(?:(?: to | ± |, ){_NUMBER})*) (?P<unit>N m|N|m)(?![\w/0-9])")
+_NUMBER = r"[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
+# A name between double quotes, such as "pier 2 m", holds no number.
+_IN_WORDS = re.compile(rf"\"[^\"]*\"|(?<![\w.])(?P<numbers>{_NUMBER}(?:(?: to | ± |, ){_NUMBER})*) (?P<unit>N m|N|m)(?![\w/0-9])")
 LONGEST_TEXT = 10  # characters of a number that is written without a power of ten
 
 
@@ -236,6 +238,8 @@ class Units:
         return _IN_WORDS.sub(self._shown, sentence)
 
     def _shown(self, found: re.Match[str]) -> str:
+        if found["unit"] is None:
+            return found[0]
         size, unit = self.of(found["unit"])
         return f"{re.sub(_NUMBER, lambda number: _scaled(number[0], size), found['numbers'])} {unit}"
 

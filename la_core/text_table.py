@@ -22,7 +22,8 @@ def number_text(value: float | None, digits: int = 6) -> str:
     """A number with `digits` significant digits, or a dash where undefined; up to a million the whole part is in full."""
     if value is None or not math.isfinite(value):
         return "–"
-    text = f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
+    rounded = float(f"{value:.{digits}g}") + 0.0  # + 0.0: no negative zero
+    text = f"{value:.0f}" if 10.0**digits <= abs(rounded) < 1e6 else f"{value + 0.0:.{digits}g}"
     return text.replace("-", "−", 1) if value < 0.0 else text
 
 

@@ -16,7 +16,7 @@ import pytest
 
 import la_core
 from la_core.analysis.case_file import scene_digest
-from la_core.scene import shipped
+from la_core.scene import key_paths, shipped
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.scene import Scene
 
@@ -91,6 +91,19 @@ def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
         la_core.build({"joint": {"friction": None}})
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a Decimal has no place in a scene; give a number"):
         la_core.build({"joint": {"friction": Decimal("0.6")}})
+
+
+def test_a_date_of_toml_is_a_date_of_the_scene() -> None:
+    text = la_core.load("two_pads").text
+    assert la_core.build(tomllib.loads(f"date = 2024-05-01\n{text}")).date == "2024-05-01"
+
+
+def test_a_path_ends_where_a_text_begins() -> None:
+    """A text has letters, and an array has no names: neither is a key."""
+    data = {"title": "abc", "block": [{"name": "a"}]}
+    assert key_paths.get(data, "block[0].name") == "a"
+    for key in ("title[0]", "block.name", "block[1]", "title.upper", "block[0].name[0]"):
+        assert key_paths.get(data, key) is None, key
 
 
 def test_a_table_that_contains_itself_is_refused_by_its_key() -> None:

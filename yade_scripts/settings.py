@@ -51,7 +51,7 @@ class Settings:
     time_step: float  # s, time step while the structure comes to rest
     settling_step: float  # s, time step after rest: there is no local damping, and a longer step is stable
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
-    max_travel: float  # m or rad, largest motion of the support
+    max_travel: float  # m or rad, largest motion of the support; under a live load, of the fastest block
     travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
     speed: float  # m/s or rad/s, speed of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed

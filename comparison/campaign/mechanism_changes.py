@@ -6,7 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 from comparison.campaign.row_groups import Line, SweepRows, is_number, lines
-from comparison.campaign.row_values import LIMIT, METHODS, Row, mechanism_name, over_weight, prediction
+from comparison.campaign.row_values import LIMIT, Row, mechanism_name, over_weight, prediction
+from comparison.verdict import ANSWERS
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def letters(sweeps: list[SweepRows]) -> dict[str, dict[str, str]]:
     for sweep in sweeps:
         of_scene = named.setdefault(sweep.scene, {})
         for row in sweep.rows:
-            for name in (mechanism_name(row, method) for method in METHODS):
+            for name in (mechanism_name(row, method) for method in ANSWERS):
                 if name is not None:
                     of_scene.setdefault(name, letter(len(of_scene)))
     return named

@@ -10,16 +10,15 @@ from urllib.parse import quote
 from comparison.campaign.table import CampaignTable
 from comparison.judge import FLOOR, LEAST_REACTION
 from comparison.numbers import format_number
-from comparison.verdict import VERDICTS, verdict_title
+from comparison.verdict import ANSWERS, VERDICTS, verdict_title
 from la_core import text_table
 from la_core.limit import Status
 from la_core.text_table import exists
 
 Row = dict[str, Any]
 FAILED = "failed"
-METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 LIMIT = "limit"  # prediction of limit analysis: by Coulomb's law if the case has it, else by the associated one
-WORDS = METHODS | {LIMIT: "limit analysis"}
+WORDS = ANSWERS | {LIMIT: "limit analysis"}
 
 
 def sweep_of(row: Row) -> str:
@@ -188,7 +187,7 @@ def of_mechanism(row: Row, method: str, quantity: str) -> Any:
 
     method: key of WORDS. quantity: ending of the column, such as 'participation'.
     """
-    name = ("associated" if row.get("coulomb_status") is None else "coulomb") if method == LIMIT else method
+    name = ("associated" if prediction(row) == "least" else "coulomb") if method == LIMIT else method
     return row.get(f"{name}_{quantity}")
 
 

@@ -34,6 +34,8 @@ COMMANDS = {  # by verb: the module whose `execute` runs it, loaded only for tha
     "doctor": "comparison.cli.help_verbs.doctor",
     "completion": "comparison.cli.help_verbs.completion",
 }
+CONTINUED = ("run", "campaign")
+CONTINUES = "finished stages are kept, and the same command continues from there"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -51,4 +53,7 @@ def _execute(options: argparse.Namespace | None) -> int:
         return AGREE
     context = Context.of(filled(options))
     execute: Callable[[Context], int] = importlib.import_module(COMMANDS[options.verb]).execute
-    return execute(context)
+    try:
+        return execute(context)
+    except KeyboardInterrupt as stop:
+        raise (KeyboardInterrupt(CONTINUES) if options.verb in CONTINUED else stop) from None

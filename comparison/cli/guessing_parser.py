@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from comparison.cli.exit_codes import USAGE
-from la_core.errors import nearest
+from la_core.errors import nearest, visible
 
 BEFORE_THE_VERB = ("-q", "--quiet", "--json")  # options of every verb, which may also stand before it
 
@@ -18,8 +18,9 @@ class GuessingParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one message."""
+        told = f"{visible(message)}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid"
         with contextlib.suppress(OSError):  # where nobody can be told, the exit code still says it
-            print(f"error: {message}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid", file=sys.stderr)
+            print(f"error: {told}", file=sys.stderr)
         raise SystemExit(USAGE)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

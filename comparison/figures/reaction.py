@@ -17,6 +17,7 @@ from comparison.figures.reaction_levels import (
     Scales,
     at_joints_of_yade,
     curve_of,
+    greatest_level,
     has_plateau,
     has_sharp,
     interval_of,
@@ -113,12 +114,12 @@ def _status_words(results: Results, obstacle: str) -> str:
 
 
 def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
-    """Draw the admissible band and its ends; a greatest reaction beyond the axes is written above them."""
+    """Draw the admissible band and its ends; a greatest reaction that is unknown, or beyond the axes, is written above them."""
     lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     low, high = (limit / scales.reaction for limit in limits)
-    live = analysis.main is Drive.LIVE
-    if not live and "least" in lines:
-        top = max(lines["least"], min(lines.get("greatest", np.inf), 2.0 * high - low))
+    live, greatest = analysis.main is Drive.LIVE, greatest_level(analysis) / scales.reaction
+    if not (live or np.isnan(greatest)) and "least" in lines:
+        top = max(lines["least"], min(greatest, 2.0 * high - low))
         axes.axhspan(lines["least"], top, color=LIMIT_ANALYSIS, alpha=BAND / 2.0, linewidth=0.0, label=ADMISSIBLE)
     if "least" in lines:
         axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label=ASSOCIATED if live else LEAST)
@@ -126,9 +127,9 @@ def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tup
         axes.axhline(lines["sharp"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle=":", label=_sharp_name(analysis))
     if "greatest" in lines and lines["greatest"] <= high:
         axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=GREATEST)
-    elif "greatest" in lines:
-        above = rf"$R_{{\max}}$ = {format_number(lines['greatest'])} {scales.reaction_unit} lies above $\uparrow$"
-        axes.set_title(above, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
+    elif "least" in lines and not (live or np.isposinf(greatest)):
+        words = "is unknown" if np.isnan(greatest) else rf"= {format_number(greatest)} {scales.reaction_unit} lies above $\uparrow$"
+        axes.set_title(rf"$R_{{\max}}$ {words}", fontsize=8, color=LIMIT_ANALYSIS, loc="right")
 
 
 def _sharp_name(analysis: LimitAnalysis) -> str:
@@ -183,13 +184,11 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
     interval, above = interval_of(analysis), lines.get("least")
     if interval is not None:
         low, high = (value / scales.reaction for value in interval)
-        if np.isfinite([low, high]).all():
-            ends = f"{format_number(low, 4)} to {format_number(high, 4)}{unit}"
-        else:
-            ends = "without a least value" if np.isfinite(high) else "without a greatest value"
+        ends = "without a least value" if np.isfinite(high) else "without a greatest value"
+        ends = f"{format_number(low, 4)} to {format_number(high, 4)}{unit}" if np.isfinite([low, high]).all() else ends
         yield Word(low, high, f"interval, {ends}:\nvalue depends on friction's history", LIMIT_ANALYSIS, (HISTORY,))
         above = max(above, high) if above is not None else None
-    greatest = lines.get("greatest", np.inf)
+    greatest = greatest_level(analysis) / scales.reaction
     if analysis.main is not Drive.LIVE and above is not None and above < greatest:
         yield Word(above, greatest, ADMISSIBLE, LIMIT_ANALYSIS, (ADMISSIBLE,))
 

@@ -69,6 +69,13 @@ def levels(analysis: LimitAnalysis) -> dict[str, float]:
     return {name: without_round_off(value, size) for name, value in named.items() if np.isfinite(value)}
 
 
+def greatest_level(analysis: LimitAnalysis) -> float:
+    """Return the greatest reaction, N or N m; infinite where nothing bounds it, NaN where it is unknown."""
+    greatest = analysis.bounds.get(Drive.PUSHING)
+    unbounded = greatest is not None and greatest.status is Status.UNBOUNDED
+    return np.inf if unbounded else levels(analysis).get("greatest", np.nan)
+
+
 def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
     """Return the Coulomb interval; either end may be infinite. None where the interval is unknown or a point."""
     if analysis.coulomb is None or np.isnan([analysis.coulomb.value, *analysis.coulomb.interval]).any():

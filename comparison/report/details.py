@@ -5,9 +5,9 @@ from typing import Any
 
 from comparison.judge import METHODS as BOTH_METHODS
 from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, format_number, percent, plain_number, plural, small_number
+from comparison.verdict import ANSWERS
 from la_core.text_table import exists, place_text
 
-METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
     "dissipated_power", "dissipated_share", "participation_index", "moving_mass_share", "opening", "sliding", "sticking", "idle"
 )  # fmt: skip
@@ -43,7 +43,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     accuracy = f"largest residual {format_number(max(residuals), 2)}" if residuals else DASH
     answer = results["multiplier"] if results["live"] else results["least"]
     work = f"{format_number(associated.get('iterations'))} iterations"
-    yield row(METHODS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
+    yield row(ANSWERS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
     if coulomb:
         half = results["half_width"]
         width = f", half-width {plain_number(half)}{unit}" if half and results["interval"] != A_POINT else ""
@@ -52,7 +52,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         accuracy = "; ".join(part for part in parts if part)
         paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
         work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} {counted}"
-        yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
+        yield row(ANSWERS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
         values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
         residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
@@ -71,7 +71,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     if yade:
         accuracy = _stated(results["uncertainty"], results["ratios"]["uncertainty"], results) or DASH
         yield row(
-            METHODS["yade"],
+            ANSWERS["yade"],
             results["yade"],
             results["yade_status"],
             accuracy,
@@ -241,4 +241,4 @@ def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[d
         if measured and exists(measured.get("moving_mass_share")):
             row = {name: measured.get(name) for name in MEASURES}
             row["dissipated_power"] = units.value(row["dissipated_power"], str(comparison.get("unit", "" if live else "N")))
-            yield {"method": METHODS.get(method, method), **row}
+            yield {"method": ANSWERS.get(method, method), **row}

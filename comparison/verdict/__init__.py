@@ -3,9 +3,10 @@
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within, without_contradiction
 from comparison.verdict.check_table import Checks
 from comparison.verdict.conclusion import BEARS_NOTHING, CARRIED_OUT, HARDER, Conclusion, conclusion, named_blocks
-from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
+from comparison.verdict.verdict_table import ANSWERS, VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
 __all__ = [
+    "ANSWERS",
     "BEARS_NOTHING",
     "CARRIED_OUT",
     "HARDER",

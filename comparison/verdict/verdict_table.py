@@ -18,6 +18,7 @@ TITLES = {  # of the table, by the unit of the values
     "": "multiplier of the live load: limit analysis' upper bound and prediction, YADE's plateau",
 }
 BESIDE = {"N m": "; of a turning support its moment over W, in m", "": "; of a live load its multiplier, bounded from above"}
+ANSWERS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}  # answers, by name
 VERDICTS = {  # sign and words of a comparison's verdict
     "agree": ("✓", "agree"),
     "disagree": ("✗", "disagree"),

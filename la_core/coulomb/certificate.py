@@ -78,8 +78,9 @@ class End:
     certificate: Certificate
 
     def or_nearer(self, other: "End") -> "End":
-        """Return the one that is nearer to a limit state; this one where the other has an undefined residual."""
-        return other if other.certificate.worst < self.certificate.worst else self
+        """Return the one that is nearer to a limit state; one with an undefined residual is the farther one."""
+        worst, of_other = self.certificate.worst, other.certificate.worst
+        return other if of_other < worst or (np.isnan(worst) and not np.isnan(of_other)) else self
 
 
 def certify(joints: ElasticJoints, before: State, last: State) -> Certificate:

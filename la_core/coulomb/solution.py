@@ -100,9 +100,10 @@ class CoulombSolution:
 
     @property
     def certificate(self) -> float:
-        """Largest residual of the limit state on the plateau; of those that are defined, where no path was followed."""
+        """Largest residual of the limit state on the plateau, NaN where one is; of those that are defined, where no path was followed."""
         of_state, of_mechanism = (self.equilibrium_residual, self.cone_violation), (self.dilatancy_residual, self.sliding_residual)
-        return float(np.fmax.reduce([*of_state, *of_mechanism, self.strain_residual]))
+        largest = np.max if self.steps else np.fmax.reduce
+        return float(largest([*of_state, *of_mechanism, self.strain_residual]))
 
 
 def without_sliding(assembly: Assembly, associated: Solution, seconds: float, iterations: int) -> CoulombSolution:

@@ -193,12 +193,11 @@ def _share(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
 
 
 def _merged(points: np.ndarray, snap: float) -> np.ndarray:
-    """Points (n, 2), each group of points closer than `snap` replaced by its first one."""
+    """Points (n, 2), each chain of points closer than `snap` to the next one replaced by its first one."""
     pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
-    first = np.arange(len(points))
-    for a, b in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
-        first[b] = min(first[b], first[a])
-    return points[first]
+    joined = scipy.sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    _, group = scipy.sparse.csgraph.connected_components(joined, directed=False)
+    return points[np.unique(group, return_index=True)[1][group]]
 
 
 def _through(lines: list[np.ndarray], ends: np.ndarray, lone: np.ndarray, snap: float, sagitta: float) -> list[np.ndarray]:

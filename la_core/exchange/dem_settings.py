@@ -14,6 +14,7 @@ LEAST_REACTION = 1e-4  # of the weight, for a moment times the size of a block: 
 UNBALANCED = 0.02  # of the mean block weight: mean unbalanced force above which blocks rattle, and a run is not quasi-static
 JUMP = 25.0  # times the mean unbalanced force of blocks that rattle: the unbalanced force of one jump
 PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
+TRAVEL_OVER_INSET = 0.8  # of the support's fastest point, at most: a contact sphere that slips by its inset leaves the face
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
 # Settings of a YADE run that a case file may contain in `scene/settings`, and their meaning, which `yade_scripts.settings` says, too.
 SETTING_MEANINGS = {
@@ -26,7 +27,7 @@ SETTING_MEANINGS = {
     "time_step": "time step while the structure comes to rest",
     "settling_step": "time step after rest: there is no local damping, and a longer step is stable",
     "sphere_radius": "radius of the sphere at a contact point, less than the inset",
-    "max_travel": "largest motion of the support",
+    "max_travel": "largest motion of the support; under a live load, of the fastest block",
     "travel_periods": "duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway",
     "speed": "speed of the support",
     "ramp_time": "duration of the cosine ramp to full speed",

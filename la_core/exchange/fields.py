@@ -77,7 +77,7 @@ CASE_FIELDS = (
     Field("contacts/friction", "f8", ("C",), "-", "friction coefficient tan(phi)"),
     Field("joints/normal_stiffness", "f8", (), "N/m", "stiffness of one contact point along its normal"),
     Field("joints/shear_stiffness", "f8", (), "N/m", "stiffness of one contact point across its normal"),
-    Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
+    Field("joints/travel", "f8", (), "m or rad", "largest motion of the support; under a live load, of the fastest block"),
     Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
 )
 # Optional: only where a block consists of several convex parts, and only where the inset of a joint is not that of the scene.

@@ -18,6 +18,7 @@ from la_core.geometry.faces import face_overlaps, opposite_faces
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
+CLOSED_BY = "[geometry] tolerance closes gaps of up to twice the tolerance, and `joints` of a [[drawing]] its mortar"
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
 NO_GAP = 1e-9  # m
 MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and of which it says how deep they are
@@ -247,7 +248,7 @@ def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
         edge = "at most in an edge or a corner, which carries nothing, or in faces that do not fit each other"
         return f"{told} and meets it {edge}; [geometry] tolerance fits faces that are apart or overlap by up to twice the tolerance"
     told += f", about {gap:.3g} m away"
-    return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap <= MOST_MORTAR else "")
+    return f"{told}; {CLOSED_BY}" if gap <= MOST_MORTAR else told
 
 
 def _nearest(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> tuple[int, int, float]:

@@ -9,6 +9,7 @@ falls with n rewards a sliding joint for a smaller normal force. Where one mecha
 iteration therefore tends to the end of the interval at which sliding joints carry the smallest normal forces.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,10 +56,11 @@ class ClassicParameters:
     tolerance: float = 1e-4
 
     def __post_init__(self) -> None:
-        if not (0.0 < self.relaxation <= 1.0 and self.slope >= 0.0 and self.iterations >= 1):
-            raise ValueError(f"relaxation must be in (0, 1], slope at least 0 and iterations at least 1, not {self}")
-        if not 0.0 <= self.cohesion < self.tolerance:
-            raise ValueError(f"cohesion must be from 0 to below the tolerance {self.tolerance}, not {self.cohesion}")
+        is_count = isinstance(self.iterations, int) and self.iterations >= 1
+        if not (0.0 < self.relaxation <= 1.0 and 0.0 <= self.slope < math.inf and is_count):
+            raise ValueError(f"relaxation must be in (0, 1], slope at least 0 and iterations a whole number from 1 on, not {self}")
+        if not 0.0 <= self.cohesion < self.tolerance < math.inf:
+            raise ValueError(f"cohesion must be from 0 to below the tolerance {self.tolerance}, and both finite, not {self.cohesion}")
 
 
 @dataclass(frozen=True)

@@ -26,15 +26,16 @@ def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarr
 
 
 def residual_in_space(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Largest residual in space of a plane answer.
+    """Largest residual in space of a plane answer; NaN where one is.
 
     twists (B, 6) and contact forces (C, 3), N, are those of the plane answer; a live load has the multiplier that fits them best.
     The residuals of equilibrium and of the cones are over the mean block weight; the penetration is over the speed of the fastest block.
     """
     space, shared = in_space(assembly, forces)
     multiplier = residuals.multiplier(space, shared) if assembly.has_live_load else 0.0
-    return max(
+    found = (
         residuals.equilibrium_residual(space, shared, multiplier),
         residuals.cone_violation(space, shared),
         residuals.penetration(space, twists),
     )
+    return float(np.max(found))  # of which one may be NaN

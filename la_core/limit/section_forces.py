@@ -21,9 +21,10 @@ def support_force(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
 def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: float, tolerance: float) -> tuple[float, float]:
     """Least and greatest component of the support's force along a direction that equilibrium and friction allow, N.
 
-    An end is infinite where nothing limits it, and NaN where no state of equilibrium exists. The unknowns of the
-    kinematic programme are the twists of the free blocks and two motions of the support along its own direction, at
-    least 0: the multipliers of the two limits on the reaction. A unit dislocation along `direction` drives it.
+    An end is infinite where nothing limits it, and NaN where no state of equilibrium exists or the solver found no
+    optimum. The unknowns of the kinematic programme are the twists of the free blocks and two motions of the support
+    along its own direction, at least 0: the multipliers of the two limits on the reaction. A unit dislocation along
+    `direction` drives it.
 
     Parameters
     ----------

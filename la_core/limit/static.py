@@ -18,7 +18,7 @@ from scipy import sparse
 from la_core.limit.associated import Status
 from la_core.limit.conic import Cones, ProgrammeAnswer, ProgrammeOutcome, maximise
 from la_core.limit.problem import ACCEPTED, SMOOTH, Drive
-from la_core.measures import contact_speeds, fastest_speed, residuals
+from la_core.measures import contact_speeds, residuals
 from la_core.model import Assembly, columns, global_forces, scaled_load, support_motion, twists_of
 
 USABLE = 1e-3  # largest residual of a usable answer; a solver may break off where hardly any equilibrium exists
@@ -215,8 +215,7 @@ def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.nda
     unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
     held = np.where(unlimited, sliding, (slope * sliding - parting) / np.hypot(1.0, slope))
     violation = np.where((limits[1] < 0.0) & ~unlimited, 0.0, np.maximum(held, -parting))
-    fastest = fastest_speed(assembly, twists)
-    return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0
+    return residuals.over_fastest(assembly, twists, violation)
 
 
 def _value_of_mechanism(

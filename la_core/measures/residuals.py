@@ -84,16 +84,16 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
     else:
         excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
         violation = np.maximum(excess, -normal)  # a large mu must not hide penetration
-    return _over_fastest(assembly, twists, violation)
+    return over_fastest(assembly, twists, violation)
 
 
 def penetration(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest speed at which blocks penetrate each other, over `fastest_speed`, for twists (B, 6)."""
     normal, _ = contact_speeds(assembly, twists)
-    return _over_fastest(assembly, twists, -normal)
+    return over_fastest(assembly, twists, -normal)
 
 
-def _over_fastest(assembly: Assembly, twists: np.ndarray, violation: np.ndarray) -> float:
+def over_fastest(assembly: Assembly, twists: np.ndarray, violation: np.ndarray) -> float:
     """Largest violation (C,), at least 0, over `fastest_speed`; 0 where all blocks rest."""
     fastest = fastest_speed(assembly, twists)
     return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0

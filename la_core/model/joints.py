@@ -14,11 +14,10 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import cg
 
 from la_core.errors import SceneError
-from la_core.exchange import RADIUS_OVER_INSET, broken_rule
+from la_core.exchange import RADIUS_OVER_INSET, TRAVEL_OVER_INSET, broken_rule
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 
 TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
-TRAVEL_OVER_INSET = 0.8  # a contact sphere that slips by its inset leaves the face
 ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass for a mechanism
 PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that penetrates deeper touches away from its contact point
 SOLVER_TOLERANCE = 1e-3  # of a scale, not of an answer

@@ -128,10 +128,10 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     rows += _left_out(drawn, clean, blocks) + _turned(blocks)
     if lists["support"] and not lists["ground"]:
         rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")
-    built = [layer for layer, count in counts.items() if count and layer not in lists["openings"]]
-    if len(built) > 1:
-        rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in built[:2]])}")
     held = lists["ground"] + lists["support"]
+    built = sorted((layer for layer in counts if layer not in lists["openings"]), key=lambda layer: (layer in held, -counts[layer]))
+    if len(built := [layer for layer in built if counts[layer]]) > 1 and built[0] not in held:
+        rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in built[:2]])}")
     low, high = points.min(axis=0), points.max(axis=0)
     if np.abs(points).max() > FARTHEST:  # as in the grid of a country
         shift = -np.round(low)

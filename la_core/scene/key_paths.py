@@ -25,10 +25,10 @@ def steps(key: str) -> list[str | int]:
 def get(data: Any, key: str) -> Any:
     """Value at a key of a scene's data, or None where the key does not exist."""
     for step in steps(key):
-        try:
-            data = data[step]
-        except (KeyError, IndexError, TypeError):
+        is_there = step < len(data) if isinstance(data, list) and isinstance(step, int) else isinstance(data, dict) and step in data
+        if not is_there:
             return None
+        data = data[step]
     return data
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from la_core.exchange import TRAVEL_OVER_INSET
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
@@ -20,6 +21,7 @@ GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
 UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be level
 MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
 ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
+ROUND_OFF = 1e-9  # of a length
 NAMED = 3  # blocks named in one warning
 
 
@@ -58,6 +60,7 @@ def implausible(
         *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
         *_of_edges(blocks, missed),
         *_of_gravity(gravity),
+        *_of_travel(blocks, file, twists),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
     )
@@ -94,6 +97,20 @@ def _of_floors(file: SceneFile, blocks: Blocks) -> Iterator[str]:
                         f'building "{building.name}": voussoirs in course {floor.course} of the wall "{side}" carry nothing of the floor '
                         "on this course. Put it on a course above the arch, or load the voussoirs by a [[load]]."
                     )
+
+
+def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
+    """Yield a warning where YADE moves the support, or the fastest block under a live load, so far that spheres slip off their faces."""
+    travel, longest = float(file.yade.get("max_travel", 0.0)), TRAVEL_OVER_INSET * file.joint.inset
+    speed = 1.0
+    if twists is not None:
+        moving = twists[blocks.vertex_block]
+        speed = float(np.linalg.norm(moving[:, :3] + np.cross(moving[:, 3:], blocks.vertices), axis=1).max())
+    if travel * speed > longest * (1.0 + ROUND_OFF) and longest > 0.0:
+        yield (
+            f"max_travel = {travel:g} moves blocks by {1e3 * travel * speed:.3g} mm in YADE, so that contact spheres slip off their faces. "
+            f"It should be at most {longest / speed:.3g}: {TRAVEL_OVER_INSET:g} of the inset of {1e3 * file.joint.inset:g} mm."
+        )
 
 
 def _of_densities(densities: Sequence[float]) -> Iterator[str]:

@@ -140,7 +140,7 @@ class Scene(Tabled, Held):
     floor_mass: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
-        """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
+        """An error of the scene's blocks or keys with the file before it, or its name, and with the lines where the file has this text.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class Scene(Tabled, Held):
         except SceneError:  # a scene that was made in code has no file
             counted = ""
         found = with_lines(error, counted, self.blocks.names, self.places)
-        return SceneError.told(f"{self.path}: {found}", found)
+        return SceneError.told(f"{self.path if self.path.exists() else self.name}: {found}", found)
 
     @property
     def weight(self) -> float:

@@ -5,6 +5,7 @@ stored.
 """
 
 import copy
+import datetime
 import hashlib
 import re
 import tomllib
@@ -206,7 +207,7 @@ def _plain(value: Any, key: str) -> Any:
         return _plain(value.tolist(), key)
     if isinstance(value, Mapping):
         return {str(name): _plain(item, f"{key}.{name}".removeprefix(".")) for name, item in value.items()}
-    if isinstance(value, str | bool | int | float):
+    if isinstance(value, str | bool | int | float | datetime.date | datetime.time):
         return value
     if isinstance(value, Sequence):
         return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value)]

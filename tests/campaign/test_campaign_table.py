@@ -222,5 +222,11 @@ def test_mechanisms_have_letters_as_the_columns_of_a_spreadsheet_have() -> None:
 
 @pytest.mark.parametrize(("status", "label"), [(None, "2-a"), ("solved", "3-c"), ("inaccurate", "3-c")])
 def test_the_mechanism_of_limit_analysis_is_that_of_the_prediction_where_one_was_asked_for(status: str | None, label: str) -> None:
-    row = {"coulomb_status": status, "associated_mechanism": "2-a", "coulomb_mechanism": "3-c", "yade_mechanism": "4-y"}
+    row = {
+        "coulomb_status": status,
+        "coulomb": None if status is None else 0.1,
+        "associated_mechanism": "2-a",
+        "coulomb_mechanism": "3-c",
+        "yade_mechanism": "4-y",
+    }
     assert [mechanism_name(row, method) for method in ("limit", "associated", "coulomb", "yade")] == [label, "2-a", "3-c", "4-y"]

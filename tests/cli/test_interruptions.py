@@ -73,6 +73,20 @@ def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path
     one_message(said, "stopped before anything began")
 
 
+@pytest.mark.parametrize(("verb", "continues"), [("run", True), ("solve", False)])
+def test_only_a_command_that_keeps_something_promises_to_continue(
+    verb: str, continues: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(context: object) -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"comparison.cli.scene_verbs.{verb}.execute", stopped)
+    assert main([verb, "two_pads"]) == INTERRUPTED
+    said = capsys.readouterr().err
+    one_message(said, "stopped")
+    assert ("the same command continues" in said) is continues
+
+
 def test_an_interruption_while_the_command_line_is_read_ends_in_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -104,6 +105,15 @@ def test_what_a_terminal_obeys_is_refused_and_not_repeated(
     assert main(["solve", str(path)]) == 2
     captured = capsys.readouterr()
     assert captured.out == "" and captured.err.startswith("error: ") and visible(captured.err) == captured.err
+
+
+def test_an_argument_is_not_obeyed_either(capsys: pytest.CaptureFixture[str]) -> None:
+    for line in ("show two_pads -o x\x1b[31m.foo", "run two_pads --workers \x1b[31m", "show two_pads --\x1b[2J"):
+        words = line.split()
+        with suppress(SystemExit):
+            assert main(words) == 2
+        said = capsys.readouterr().err
+        assert said.startswith("error: ") and "\x1b" not in said and "\\x1b" in said, words
 
 
 def test_new_lines_tabs_and_letters_of_any_script_are_harmless(tmp_path: Path, two_pads: str) -> None:

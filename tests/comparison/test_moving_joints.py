@@ -142,7 +142,8 @@ def test_of_many_blocks_of_ground_those_are_listed_that_carry_most() -> None:
     pads = [scenes.box(f"pad {k}", (0.1 * k, 0.0, -0.5), (0.1 * k + 0.1, 1.0, 0.0), "fixed") for k in range(MOST_ROWS + 2)]
     support = scenes.box("support", (3.0, 0.0, -0.5), (4.0, 1.0, 0.0), "support")
     blocks = [scenes.box(f"block {k}", (0.1 * k, 0.0, 0.0), (0.1 * k + 0.1, 1.0, 0.5 if k else 0.1)) for k in range(MOST_ROWS + 2)]
-    scene = scenes.build(*pads, support, *blocks, scenes.box("beside", (3.0, 0.0, 0.0), (4.0, 1.0, 0.5)), settlement=(0.0, 0.0, -1.0))
+    beside = scenes.box("beside", (3.0, 0.0, 0.0), (4.0, 1.0, 0.5))
+    scene = scenes.build(*pads, support, *blocks, beside, settlement=scenes.DOWN, reach=False)
     found = structure_facts(Results(analyse(scene)))["ground_reactions"]
     names = [row["block"] for row in found["rows"]]
     assert found["count"] == MOST_ROWS + 3 and len(names) == MOST_ROWS

@@ -15,6 +15,7 @@ from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import EquilibriumPath
+from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 
 
@@ -27,6 +28,18 @@ def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) ->
     assert "lies above" in close.get_title(loc="right")
     assert close.get_ylim()[0] < least < close.get_ylim()[1]
     assert whole.get_ylim()[1] > least + 0.4e-3 * scene.weight
+
+
+@pytest.mark.parametrize(("status", "is_drawn"), [(Status.UNBOUNDED, True), (Status.FAILED, False)])
+def test_a_greatest_reaction_that_is_unknown_is_not_drawn_as_unlimited(status: Status, is_drawn: bool, tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    lost = replace(analysis.bounds[Drive.PUSHING], status=status, value=np.nan)
+    answers = replace(analysis.at_inset, bounds={**analysis.bounds, Drive.PUSHING: lost})
+    figure = reaction_figure(Results(replace(analysis, at_inset=answers), synthetic_run(analysis)))
+    words = " ".join(text.get_text() for axes in figure.axes for text in axes.texts)
+    titles = " ".join(axes.get_title(loc="right") for axes in figure.axes)
+    assert ("admissible" in words) is is_drawn
+    assert ("is unknown" in titles) is not is_drawn
 
 
 def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:

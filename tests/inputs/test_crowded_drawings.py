@@ -41,3 +41,12 @@ def test_outlines_in_a_heap_are_refused(monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(ValueError, match=r"its 300 outlines lie upon each other, in more than 2,000 pairs; .*`ignore`"):
         cleaned(Drawn(1.0, outlines=boxes(300, 0.1)), 0.0)
     assert len(cleaned(Drawn(1.0, outlines=boxes(300, 1.5)), 0.0).outlines) == 300
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1), (1, 0, 2), (2, 0, 1)])
+def test_ends_of_lines_meet_in_any_order(order: tuple[int, ...]) -> None:
+    """Three ends, each 0.9 of the distance within which ends meet from the next, and one far away."""
+    ends = np.array([[0.0, 0.0], [0.9, 0.0], [1.8, 0.0]])[list(order)]
+    merged = enclosing._merged(np.concatenate([ends, [[9.0, 0.0]]]), 1.0)
+    assert np.array_equal(merged, np.concatenate([np.tile(ends[0], (3, 1)), [[9.0, 0.0]]]))
+    assert np.array_equal(enclosing._merged(ends, 0.0), ends)

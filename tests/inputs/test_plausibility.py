@@ -56,6 +56,18 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
         "only the ratios at both its ends count",
     ),
     "a rough class of joints": (("[settlement]", '[[friction]]\njoints = "footing"\nfriction = 35.0\n[settlement]'), "is above 1.2"),
+    "a travel beyond the inset": (
+        ("[settlement]", "[yade]\nmax_travel = 0.01\n[settlement]"),
+        "max_travel = 0.01 moves blocks by 10 mm in YADE",
+        "at most 0.0008: 0.8 of the inset of 1 mm",
+    ),
+    "a turn beyond the inset": (
+        (
+            "direction = [0.0, 0.0, -1.0]",
+            "axis = [0.0, 1.0, 0.0]\npoint = [-1.0, 0.0, 0.0]\n[yade]\nmax_travel = 0.0005",
+        ),
+        "max_travel = 0.0005 moves blocks by 1",
+    ),
     "gravity of the moon": (("-9.81", "-1.62"), "gravity is 1.62 m/s2"),
 }
 WALL_OF_MILLIMETRES = """

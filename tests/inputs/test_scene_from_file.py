@@ -30,6 +30,15 @@ def test_a_scene_for_a_drawing_is_written_and_can_be_read(tmp_path: Path, capsys
     assert "exists already and is not replaced" in capsys.readouterr().err
 
 
+def test_the_hint_on_friction_names_layers_that_may_have_a_joint(tmp_path: Path) -> None:
+    """Most outlines are on the layer of the stones; ground and support are held, and have no joint with each other."""
+    entities = [polyline(outline, "ARCH") for outline in (SQUARE, ABOVE)] + [polyline(BASE, "GROUND")]
+    (tmp_path / "arch.dxf").write_bytes(dxf(entities))
+    assert 'between = ["layer:ARCH", "layer:GROUND"]' in scene_from_file(tmp_path / "arch.dxf", tmp_path)
+    (tmp_path / "one.dxf").write_bytes(dxf([polyline(SQUARE, "STONES")]))
+    assert "[[friction]]" not in scene_from_file(tmp_path / "one.dxf", tmp_path)
+
+
 def test_a_structure_without_ground_gets_a_base(tmp_path: Path) -> None:
     page = '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" viewBox="0 0 2000 2000">'
     (tmp_path / "stones.svg").write_text(f'{page}<g id="A"><polygon points="0,0 1000,0 1000,-500 0,-500"/></g></svg>')

@@ -147,7 +147,19 @@ def test_same_question_same_answer() -> None:
     assert np.array_equal(first.values, second.values) and np.array_equal(first.forces, second.forces)
 
 
-@pytest.mark.parametrize("wrong", [{"relaxation": 0.0}, {"relaxation": 1.1}, {"slope": -0.1}, {"iterations": 0}, {"cohesion": 1e-3}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"relaxation": 0.0},
+        {"relaxation": 1.1},
+        {"slope": -0.1},
+        {"slope": np.inf},
+        {"iterations": 0},
+        {"iterations": 1.5},
+        {"cohesion": 1e-3},
+        {"tolerance": np.inf},
+    ],
+)
 def test_parameters_without_meaning_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"tolerance|needed"):
         replace(DEFAULT, **wrong)

@@ -9,10 +9,11 @@ from typing import Any
 
 from comparison.campaign.cases import folder_name
 from comparison.campaign.report.verdict_matrix import verdict_symbol
-from comparison.campaign.row_values import METHODS, Row, mechanism_name, runs_of, sweep_of
+from comparison.campaign.row_values import Row, mechanism_name, runs_of, sweep_of
 from comparison.campaign.table import CampaignTable
 from comparison.judge import UNCERTAIN
 from comparison.report import flat
+from comparison.verdict import ANSWERS
 from la_core.text_table import exists
 
 SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
@@ -202,7 +203,7 @@ def _text_changes(before: Row, after: Row) -> Iterator[Change]:
     case = str(before["case"])
     pairs: list[tuple[str, str, Any, Any]] = [("verdict", "verdict", verdict_symbol(before)[1], verdict_symbol(after)[1])]
     pairs += [("status", name, before.get(name), after.get(name)) for name in STATUSES]
-    pairs += [("mechanism", method, mechanism_name(before, method), mechanism_name(after, method)) for method in METHODS]
+    pairs += [("mechanism", method, mechanism_name(before, method), mechanism_name(after, method)) for method in ANSWERS]
     for kind, what, first, second in pairs:
         if first != second:
             yield Change(case, kind, what, first, second)

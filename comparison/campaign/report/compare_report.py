@@ -9,11 +9,11 @@ from rich import box
 from rich.table import Table
 
 from comparison.campaign.report.compare import Change, Comparison, Cost
-from comparison.campaign.row_values import METHODS
 from comparison.judge import without_undefined
 from comparison.numbers import DASH, format_number, plural, signed
 from comparison.report import template_environment
 from comparison.run_folder import write_text
+from comparison.verdict import ANSWERS
 
 WHAT = {
     "least": "least, associated",
@@ -115,7 +115,7 @@ def change_words(change: Change) -> dict[str, str]:
         apart = f"{signed(change.difference, 3)}{unit}" if change.difference is not None else DASH
         values = [f"{format_number(value, 6)}{unit}" if value is not None else DASH for value in (change.before, change.after)]
         return _row(change, WHAT[change.what], values, apart, f"{format_number(change.allowed, 2)}{unit}")
-    what = {"mechanism": f"mechanism, {METHODS.get(change.what, '')}", "verdict": "verdict"}.get(change.kind) or WHAT[change.what]
+    what = {"mechanism": f"mechanism, {ANSWERS.get(change.what, '')}", "verdict": "verdict"}.get(change.kind) or WHAT[change.what]
     return _row(change, what, [DASH if value is None else str(value) for value in (change.before, change.after)], "", "")
 
 

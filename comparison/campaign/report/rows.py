@@ -10,7 +10,6 @@ from comparison.campaign.parameter_labels import CLASSIC, QUANTITY, short, shown
 from comparison.campaign.report.verdict_matrix import FAILURE, verdict_symbol
 from comparison.campaign.row_groups import key
 from comparison.campaign.row_values import (
-    METHODS,
     WORDS,
     Row,
     compared_with,
@@ -28,7 +27,7 @@ from comparison.campaign.row_values import (
 )
 from comparison.campaign.table import CampaignTable
 from comparison.numbers import DASH, format_number, interval_words, share_of, small_number, with_uncertainty
-from comparison.verdict import VERDICTS, Verdict
+from comparison.verdict import ANSWERS, VERDICTS, Verdict
 from la_core.text_table import exists
 
 MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
@@ -127,7 +126,7 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
     for scene, letter_of in lettered.items():
         rows = [row for row in table.rows if sweep_of(row) == scene]
         for label, letter in letter_of.items():
-            having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
+            having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in ANSWERS}
             masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
             known = [mass for mass in masses if exists(mass)]
             ends = dict.fromkeys(format_number(end(known, default=None), 3) for end in (min, max))
