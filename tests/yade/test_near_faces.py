@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from counted_rows import Counted
 from displaced_blocks import GAP, buffer, with_effects
 from verdict_scenes import EARLIER_SEED, drawn
 
@@ -19,8 +20,9 @@ from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.scene import Scene
 from yade_scripts import case, settings
-from yade_scripts.contacts.near_faces import LEFT, NEAR, NearFaces
+from yade_scripts.contacts.near_faces import _SAME_FACE, LEFT, NEAR, NearFaces
 
+LINEAR = 1.1  # of the growth of the wall
 CORNER = [[0.0, 0.0], [0.8, 0.0], [0.8, 0.3], [0.3, 0.3], [0.3, 0.8], [0.0, 0.8]]
 
 
@@ -48,8 +50,10 @@ SCENES: dict[str, Callable[[], Scene]] = {
 @pytest.fixture(scope="module", params=SCENES)
 def one(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> case.Case:
     """The case of a scene, with finite displacements."""
-    path = tmp_path_factory.mktemp("near") / "case.h5"
-    scene = SCENES[request.param]()
+    return case_of(SCENES[request.param](), tmp_path_factory.mktemp("near") / "case.h5")
+
+
+def case_of(scene: Scene, path: Path) -> case.Case:
     case_file.write_case(
         path, analyse(structural_model(replace(scene, effects=scene.effects.model_copy(update={"displacement": "finite"})))), ""
     )
@@ -74,6 +78,50 @@ def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, 
             outside = (back @ faces[:, :3].T - faces[:, 3]).max(axis=1) - radius
             least = min(least, float(outside[met].min(initial=np.inf)))
     return least
+
+
+def plain_pairs(one: case.Case, chosen: settings.Settings) -> list[tuple[int, int]]:
+    """The spheres near a part, part after part, with its block, found sphere by sphere."""
+    radius = chosen.sphere_radius * one.own_inset / one.inset
+    centre = one.position + radius[:, None] * np.where((one.host == one.block_b)[:, None], one.normal, -one.normal)
+    reach, found = NEAR * chosen.max_travel * one.support_speed + radius, []
+    for block, parts in enumerate(one.parts):
+        for vertices, faces in zip(parts, one.faces[block], strict=True):
+            for sphere, host in enumerate(one.host.tolist()):
+                low, high = vertices.min(axis=0) - reach[sphere], vertices.max(axis=0) + reach[sphere]
+                inside = np.all((low < centre[sphere]) & (centre[sphere] < high))
+                gaps = faces[:, :3] @ centre[sphere] - faces[:, 3] - radius[sphere]
+                is_free = exchange.FREE in (one.role[host], one.role[block])
+                is_other = one.target[sphere] != block or gaps.max() > _SAME_FACE * radius[sphere]
+                if inside and host != block and is_free and is_other:
+                    found.append((sphere, block))
+    return found
+
+
+def test_the_spheres_near_a_part_are_those_that_a_look_at_each_one_finds(one: case.Case) -> None:
+    chosen = settings.derive(one)
+    near, into_host = NearFaces(one, chosen), np.where((one.host == one.block_b)[:, None], one.normal, -one.normal)
+    assert list(zip(near.sphere.tolist(), near.block.tolist(), strict=True)) == plain_pairs(one, chosen)
+    edges = [
+        (point, *plane[:3])
+        for block, parts in enumerate(one.faces)
+        if one.boxes[block] is None and len(parts) == 1
+        for point in np.flatnonzero(one.target == block).tolist()
+        for plane in parts[0].tolist()
+        if plane[:3] @ into_host[point] < 1.0 - 1e-6 and not (one.plane and abs(plane[1]) > 0.5)
+    ]
+    listed = zip(near.on_face.tolist(), near.edge[:, :3].tolist(), strict=True)
+    assert [(point, *normal) for point, normal in listed] == edges
+
+
+def test_a_wall_four_times_as_long_takes_four_times_the_looks_at_spheres(tmp_path: Path) -> None:
+    looks = []
+    for per_course in (6, 24):
+        found = case_of(scenes.build(*scenes.wall(per_course, 3, split=0.4 * per_course - 0.8), inset=0.001), tmp_path / "case.h5")
+        counted = replace(found, role=Counted.of(found.role))
+        NearFaces(counted, settings.derive(found))
+        looks.append(Counted.read)
+    assert looks[1] < LINEAR * 4.0 * looks[0]
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.1, 0.5, 2.0])

@@ -13,6 +13,7 @@ import numpy as np
 
 from la_core.exchange import FREE
 from yade_scripts.case import Case
+from yade_scripts.contacts.rows import rows_of
 from yade_scripts.contacts.sphere_placement import are_others
 from yade_scripts.settings import Settings
 
@@ -64,11 +65,18 @@ class NearFaces:
     def _near_parts(self) -> Iterator[tuple[np.ndarray, int, np.ndarray, list[np.ndarray]]]:
         """Yield for each convex part the spheres near it, its block, the plane farthest from each, and all planes of each."""
         case, reach = self.case, self._reach + self._radius[:, None]
+        axis = int(np.ptp(case.centroid, axis=0).argmax())  # the longest way: the fewest spheres lie between the ends of a part
+        order = np.argsort(self._centre[:, axis], kind="stable")
+        centre, reach, host = self._centre[order], reach[order], case.host[order]
+        along, farthest = centre[:, axis].copy(), reach.max(initial=0.0)
         for block, parts in enumerate(case.parts):
-            other = (case.host != block) & ((case.role[case.host] == FREE) | (case.role[block] == FREE))
             for vertices, faces in zip(parts, case.faces[block], strict=True):
-                low, high = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
-                spheres = np.flatnonzero(other & ((self._centre > low) & (self._centre < high)).all(axis=1))
+                low, high = vertices.min(axis=0), vertices.max(axis=0)
+                first, last = along.searchsorted(low[axis] - farthest, "right"), along.searchsorted(high[axis] + farthest, "left")
+                beside = slice(first, last)
+                other = (host[beside] != block) & ((case.role[host[beside]] == FREE) | (case.role[block] == FREE))
+                inside = (centre[beside] > low - reach[beside]) & (centre[beside] < high + reach[beside])
+                spheres = np.sort(order[beside][other & inside.all(axis=1)])
                 distance = self._centre[spheres] @ faces[:, :3].T - faces[:, 3] - self._radius[spheres, None]
                 gap = distance.max(axis=1)
                 of_partner = case.target[spheres] == block
@@ -79,11 +87,10 @@ class NearFaces:
     def _edges(self, into_host: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the contact points on faces of blocks that are no boxes, and the planes across the edges of these faces."""
         case, points, planes = self.case, [np.zeros(0, dtype=int)], [np.zeros((0, 4))]
-        for block in np.unique(case.target).tolist():
+        for block, touching in enumerate(rows_of(case.target, len(case.parts))):
             if case.boxes[block] is not None or len(case.parts[block]) > 1:
                 continue  # a box is exact; a compound block is watched part by part
             faces = case.faces[block][0]
-            touching = np.flatnonzero(case.target == block)
             for point, is_other in zip(touching.tolist(), are_others(faces[:, :3], into_host[touching], case.plane), strict=True):
                 others = faces[is_other]
                 points.append(np.full(len(others), point))
