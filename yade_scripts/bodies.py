@@ -26,6 +26,7 @@ from yade.utils import createInteraction
 from la_core.exchange import FREE
 from yade_scripts.case import Case
 from yade_scripts.contacts.faces import YadeError, faces_of
+from yade_scripts.contacts.rows import rows_of
 from yade_scripts.driving import drives_of
 from yade_scripts.settings import Settings, contact_damping, inertia_of
 from yade_scripts.vibration import Inertia
@@ -106,14 +107,15 @@ def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: 
     of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # in series they give the contact's
     kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), of_sphere]), axis=0, return_inverse=True)
     rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
+    touching, carried = (rows_of(owner, len(case.role)) for owner in (case.target, case.host))
     for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
         members = [omega.bodies.append(_carrier(case, block, material))]
         carriers.append(members[0])
-        for face, touching in faces_of(case, block):
+        for face, touched in faces_of(case, block, touching[block]):
             face.material = material
             members.append(omega.bodies.append(face))
-            faces[touching] = members[-1]
-        for contact in np.flatnonzero(case.host == block).tolist():
+            faces[touched] = members[-1]
+        for contact in carried[block].tolist():
             radius = settings.sphere_radius * case.own_inset[contact] / case.inset
             sphere = _sphere(case, contact, radius, rubbing[kind.ravel()[contact]])
             members.append(omega.bodies.append(sphere))

@@ -6,13 +6,12 @@ import numpy as np
 
 
 class Counted(np.ndarray):
-    """An array that counts the entries that are compared or picked from it; `Counted.of` makes one, and the count starts at 0."""
+    """An array whose entries are counted as they are compared or picked; the count `read` is one for all such arrays, to be set to 0."""
 
     read: ClassVar[int] = 0
 
     @classmethod
     def of(cls, values: np.ndarray) -> "Counted":
-        cls.read = 0
         return np.array(values).view(cls)
 
     def __getitem__(self, key: Any) -> Any:

@@ -6,17 +6,20 @@ import numpy as np
 import pytest
 import rubble_walls as rubble
 import scenes
+from counted_rows import Counted
 from scipy.spatial import ConvexHull
 
 from la_core import exchange
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
-from la_core.geometry import Blocks
+from la_core.geometry import Blocks, box
 from la_core.scene.generators.placing import leaning
 from yade_scripts import case, settings
-from yade_scripts.contacts.convex_parts import are_within
-from yade_scripts.contacts.sphere_placement import hosts, largest_radius
+from yade_scripts.contacts.convex_parts import are_within, faces_of_parts, parts_of
+from yade_scripts.contacts.rows import rows_of
+from yade_scripts.contacts.sphere_placement import depth_in_faces, hosts, largest_radius
 
+LINEAR = 1.1  # of the growth of the row of blocks
 SHARP = 7  # seed of a wall with a corner of 51 degrees
 
 
@@ -97,3 +100,29 @@ def test_a_plane_in_which_a_point_lies_to_rounding_does_not_shrink_its_sphere() 
         largest_radius(point, down, block, (np.zeros(count, dtype=int), normal[:count], offset[:count] + 1e-14), True) for count in (4, 5)
     )
     assert with_plane == pytest.approx(alone)
+
+
+def test_rows_of_an_owner_are_those_that_a_look_at_all_rows_finds() -> None:
+    owner = np.random.default_rng(5).choice([0, 2, 3, 7], 100)
+    for count in (8, 11):
+        assert [rows.tolist() for rows in rows_of(owner, count)] == [np.flatnonzero(owner == one).tolist() for one in range(count)]
+    assert [rows.tolist() for rows in rows_of(np.zeros(0, dtype=int), 2)] == [[], []]
+
+
+def test_a_row_of_four_times_the_blocks_takes_four_times_the_looks_at_the_blocks_of_points_and_faces() -> None:
+    """Every block has one point in the middle of its top, which is 0.1 m from its nearest side."""
+    looks = []
+    for count in (10, 40):
+        boxes = [box(np.array([one, 0.0, 0.0]), np.array([one + 0.8, 0.2, 0.3])) for one in np.arange(float(count))]
+        blocks = Blocks.gather([str(one) for one in range(count)], ["free"] * count, [1.0] * count, boxes)
+        middle, normal = blocks.centroid + np.array([0.0, 0.0, 0.15]), np.tile([0.0, 0.0, 1.0], (count, 1))
+        index, owner, Counted.read = np.arange(count), Counted.of(blocks.face_block), 0
+        depth = depth_in_faces(middle, normal, Counted.of(index), (owner, blocks.face_normal, blocks.face_offset), plane=False)
+        assert depth == pytest.approx(0.1)
+        data = {"parts/block": Counted.of(index), "parts/vertex_start": blocks.vertex_start, "parts/face_start": blocks.part_face_start}
+        data |= {"blocks/role": blocks.role, "blocks/vertices": blocks.vertices}
+        assert [len(parts) for parts in parts_of(data, index, ())] == [1] * count
+        planes = faces_of_parts(data, index, (blocks.face_block, blocks.face_normal, blocks.face_offset))
+        assert [[len(part) for part in parts] for parts in planes] == [[6]] * count
+        looks.append(Counted.read)
+    assert looks[1] < LINEAR * 4.0 * looks[0]

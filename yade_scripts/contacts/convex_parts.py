@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from yade_scripts.contacts.rows import rows_of
+
 Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
 
 _BEYOND = 1e-6  # of the block's size: how far beyond a face a point is looked at
@@ -41,19 +43,19 @@ def parts_of(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndar
     """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only where a block has several."""
     if "parts/block" not in data:
         return tuple((points,) for points in vertices)
-    start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
-    return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
+    start, points = data["parts/vertex_start"], data["blocks/vertices"]
+    of_block = rows_of(data["parts/block"], len(data["blocks/role"]))
+    return tuple(tuple(points[start[part] : start[part + 1]] for part in of_block[block]) for block in index)
 
 
 def faces_of_parts(data: Mapping[str, Any], index: np.ndarray, faces: Faces) -> tuple[tuple[np.ndarray, ...], ...]:
     """Return the face planes of the convex parts of each block in `index` (B,)."""
-    owner, planes = faces[0], np.column_stack(faces[1:])
+    planes, total = np.column_stack(faces[1:]), len(data["blocks/role"])
     if "parts/block" not in data:
-        order = np.argsort(owner, kind="stable")
-        first, last = (np.searchsorted(owner[order], index, side) for side in ("left", "right"))
-        return tuple((planes[order[low:high]],) for low, high in zip(first, last, strict=True))
-    start, of_part = data["parts/face_start"], data["parts/block"]
-    return tuple(tuple(planes[start[part] : start[part + 1]] for part in np.flatnonzero(of_part == block)) for block in index)
+        of_block = rows_of(faces[0], total)
+        return tuple((planes[of_block[block]],) for block in index)
+    start, of_block = data["parts/face_start"], rows_of(data["parts/block"], total)
+    return tuple(tuple(planes[start[part] : start[part + 1]] for part in of_block[block]) for block in index)
 
 
 def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:

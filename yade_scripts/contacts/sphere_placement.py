@@ -7,6 +7,7 @@ import numpy as np
 
 from la_core.exchange import RADIUS_OVER_INSET
 from yade_scripts.contacts.convex_parts import Faces, are_within
+from yade_scripts.contacts.rows import rows_of
 
 CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
 _ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
@@ -98,8 +99,10 @@ def _other_faces(
     The distance to the face in contact, and in plane cases to faces across y, is inf.
     """
     owner, face_normal, face_offset = faces
-    for number in np.unique(block):
-        rows, of_block = np.flatnonzero(block == number), np.flatnonzero(owner == number)
+    count = 1 + max(block.max(initial=0), owner.max(initial=0))
+    for rows, of_block in zip(rows_of(block, count), rows_of(owner, count), strict=True):
+        if not len(rows):
+            continue
         distance = face_offset[of_block] - position[rows] @ face_normal[of_block].T
         along = normal[rows] @ face_normal[of_block].T
         yield rows, np.where(are_others(face_normal[of_block], normal[rows], plane), distance, np.inf), along
