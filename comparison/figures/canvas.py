@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
-from comparison.figures.drawing_order import OuterFaces, back_to_front, unit_normals
+from comparison.figures.drawing_order import OuterFaces, are_behind, back_to_front, unit_normals
 from comparison.figures.line_labels import extent, font_size
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
@@ -177,20 +177,8 @@ class Canvas:
 
     def _is_hidden(self, position: np.ndarray) -> np.ndarray:
         """Return the mask (N,) of the positions that lie behind stone."""
-        blocks = self.blocks.parts
-        owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
-        along = blocks.face_normal @ self.toward
-        hidden = []
-        for chunk in np.array_split(position, len(position) // 500 + 1):
-            inside = blocks.face_offset - chunk @ blocks.face_normal.T
-            with np.errstate(divide="ignore", invalid="ignore"):
-                cut = inside / along  # distance towards the viewer to each face's plane
-            leave = np.minimum.reduceat(np.where(along > 1e-9, cut, np.inf), owner_start, axis=1)
-            enter = np.maximum.reduceat(np.where(along < -1e-9, cut, -np.inf), owner_start, axis=1)
-            missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), owner_start, axis=1)
-            stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
-            hidden.append(np.any(stone > HIDING * structure_size(blocks), axis=1))
-        return np.concatenate(hidden)
+        view = np.stack([self.right, self.up, self.toward])
+        return are_behind(self.blocks.parts, view, position, HIDING * structure_size(self.blocks))
 
     def marks(self, position: np.ndarray, **style: Any) -> None:
         """Draw markers at positions (N, 3); `style` goes to `Axes.plot`."""

@@ -1,4 +1,4 @@
-"""Which faces of the blocks are drawn, and in which order.
+"""Which faces of the blocks are drawn, and in which order; which points are hidden by stone.
 
 A block that is not convex has no edges where its convex parts meet: its faces that lie in one plane and face the same way are one face,
 and what faces them in that plane lies inside the block.
@@ -20,7 +20,7 @@ NEAR = 1e-4  # of the largest extent of a block: boxes that are nearer than this
 IN_PLANE = 1e-6  # of a block's size, and of a normal: faces this close to one plane lie in it
 GRID = 1e-7  # of the structure's size: joined faces have their corners on a grid this fine
 SLIVER = 10.0  # times the grid: what is narrower than about this is round-off
-AT_A_TIME = 500  # blocks that are held against all others in one array
+AT_A_TIME = 500  # blocks that are held against all others in one array, or points against the parts before them
 
 
 def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
@@ -73,6 +73,35 @@ def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np
             before.append(np.where(after, other, some[one]))
     pairs = np.unique(np.stack([np.concatenate(behind), np.concatenate(before)], axis=1), axis=0)  # each pair once
     return pairs[:, 0], pairs[:, 1]
+
+
+def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
+    """Return the mask (N,) of the points (N, 3) that lie behind more than `least` (m) of one of the convex parts.
+
+    The rows of `view` (3, 3) are unit vectors to the right, upwards and towards the viewer. A point is held against those parts alone
+    whose bounding boxes in the view cover it.
+    """
+    flat, places, margin = parts.vertices @ view[:2].T, points @ view[:2].T, NEAR * float((parts.high - parts.low).max())
+    low = np.minimum.reduceat(flat, parts.vertex_start[:-1]) - margin
+    high = np.maximum.reduceat(flat, parts.vertex_start[:-1]) + margin
+    tree = shapely.STRtree(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
+    towards, start = parts.face_normal @ view[2], parts.part_face_start
+    hidden = np.zeros(len(points), dtype=bool)
+    for some in np.array_split(np.arange(len(points)), len(points) // AT_A_TIME + 1):
+        point, part = tree.query(shapely.points(places[some]))
+        count = np.diff(start)[part]
+        first = np.cumsum(count) - count  # of the faces of each part, side by side for all points
+        face = np.arange(count.sum()) + np.repeat(start[part] - first, count)
+        along = towards[face]
+        inside = parts.face_offset[face] - np.sum(points[some[point]].repeat(count, axis=0) * parts.face_normal[face], axis=1)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            cut = inside / along  # distance towards the viewer to each face's plane
+        leave = np.minimum.reduceat(np.where(along > 1e-9, cut, np.inf), first)
+        enter = np.maximum.reduceat(np.where(along < -1e-9, cut, -np.inf), first)
+        missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), first)
+        stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
+        hidden[some[point[stone > least]]] = True
+    return hidden
 
 
 class OuterFaces:

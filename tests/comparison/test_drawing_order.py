@@ -5,16 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from counted_rows import Counted
 from figure_scenes import DOWN, SCENES, scene_of
 from matplotlib.collections import LineCollection
 from scenes import load, shipped
 
 from comparison.figures import canvas as drawing
 from comparison.figures import structure
-from comparison.figures.drawing_order import back_to_front
+from comparison.figures.drawing_order import are_behind, back_to_front
 from la_core.analysis.stage import analyse
+from la_core.geometry import Blocks, box
 from la_core.model.assembly import assemble
 from la_core.scene.shipped import starter_text
+
+LINEAR = 1.1  # of the growth of the wall
 
 
 def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
@@ -56,6 +60,46 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
         True,
         False,
     ]
+
+
+def plainly_behind(parts: Blocks, toward: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
+    """Mask of the points behind more than `least` of a part: the line to the viewer is cut by all faces of all parts."""
+    along = parts.face_normal @ toward
+    hidden = np.zeros(len(points), dtype=bool)
+    for k, point in enumerate(points):
+        for part in range(len(parts)):
+            faces = parts.face_block == part
+            inside = parts.face_offset[faces] - parts.face_normal[faces] @ point
+            towards, away, beside = along[faces] > 1e-9, along[faces] < -1e-9, np.abs(along[faces]) <= 1e-9
+            enter = (inside[away] / along[faces][away]).max(initial=0.0)
+            leave = (inside[towards] / along[faces][towards]).min(initial=np.inf)
+            hidden[k] |= bool(leave - enter > least and not (inside[beside] < 0.0).any())
+    return hidden
+
+
+@pytest.mark.parametrize("name", ["dome_sector", "corner_settling_end", "arch_spreading"])
+@pytest.mark.parametrize("plane", [True, False], ids=["from the front", "aslant"])
+def test_points_are_behind_the_parts_that_a_look_at_all_of_them_finds(name: str, plane: bool) -> None:
+    blocks = shipped(name).blocks
+    view, low, high = np.stack(drawing.view_axes(plane)), blocks.low.min(axis=0), blocks.high.max(axis=0)
+    points = np.concatenate([np.random.default_rng(3).uniform(low - 0.1, high + 0.1, (150, 3)), blocks.centroid[::10]])
+    for least in (0.0, drawing.HIDING * drawing.structure_size(blocks)):
+        found = are_behind(blocks.parts, view, points, least)
+        assert found.tolist() == plainly_behind(blocks.parts, view[2], points, least).tolist()
+        assert 0 < found.sum() < len(points)
+    assert are_behind(blocks.parts, view, points[:0], 0.0).tolist() == []
+
+
+def test_points_of_a_wall_four_times_as_long_take_four_times_the_looks_at_faces() -> None:
+    looks = []
+    for length in (20, 80):
+        place = np.stack(np.meshgrid(np.arange(length), np.arange(6), indexing="ij"), axis=-1).reshape(-1, 2)
+        boxes = [box(np.array([x, 0.0, z]), np.array([x + 1.0, 0.5, z + 1.0])) for x, z in place.astype(float)]
+        blocks = Blocks.gather([str(k) for k in range(len(boxes))], ["free"] * len(boxes), [1.0] * len(boxes), boxes)
+        parts, Counted.read = replace(blocks, face_offset=Counted.of(blocks.face_offset)), 0
+        assert are_behind(parts, np.stack(drawing.view_axes(plane=False)), blocks.vertices, 0.1).any()
+        looks.append(Counted.read)
+    assert 0 < looks[1] < LINEAR * 4.0 * looks[0]
 
 
 def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them() -> None:
