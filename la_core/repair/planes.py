@@ -5,7 +5,7 @@ groups: the pair that is most nearly parallel first, then every pair whose two g
 last faces that lie beside each other. The plane is fitted to the points half way between the faces.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,17 +19,19 @@ SAME_ANGLE = 0.01  # rad: pairs this near to each other in angle are ordered by 
 
 @dataclass
 class Group:
-    """Faces with a common plane, while groups grow; the sums are those of weighted points."""
+    """Faces with a common plane, while groups grow; the sums are those of weighted points.
+
+    What a group holds of each face and corner lies in arrays: one join of long groups then copies them, and loops over nothing.
+    """
 
     weight: float
     first: np.ndarray
     second: np.ndarray
     normal: np.ndarray
     offset: float
-    faces: list[int]
-    signs: list[float]
-    corners: list[np.ndarray] = field(default_factory=list)
-    limits: list[np.ndarray] = field(default_factory=list)
+    faces: np.ndarray
+    corners: np.ndarray
+    limits: np.ndarray
 
 
 def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -59,20 +61,22 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
     groups = {
         face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), face_areas(parts)[members], strict=True)
     }
-    place = {face: face for face in groups}  # group of each face, named by its first one
+    place = np.arange(len(parts.face_normal))  # group of each face, named by its first one
+    side = np.ones(len(place))  # sign of the normal of each face in the direction of its group's
 
     def join(face: int, other: int, sums: tuple[float, np.ndarray, np.ndarray], opposite: bool) -> bool:
-        one, two = groups[place[face]], groups[place[other]]
-        sign = _sign(one, face) * _sign(two, other) * (-1.0 if opposite else 1.0)
+        number, merged = int(place[face]), int(place[other])
+        one, two = groups[number], groups[merged]
+        sign = float(side[face] * side[other]) * (-1.0 if opposite else 1.0)
         if one is two:
             return sign > 0.0
-        joined = _joined(one, two, sign, sums)
+        joined = _joined(one, two, sums)
         if joined is None:
             return False
-        number = place[one.faces[0]]
         groups[number] = joined
-        for member in two.faces:
-            place[member] = number
+        del groups[merged]
+        place[two.faces] = number
+        side[two.faces] *= sign
         return True
 
     nothing = (0.0, np.zeros(3), np.zeros((3, 3)))
@@ -92,10 +96,9 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
     for face, other in pairs.aligned.tolist():
         join(face, other, nothing, opposite=True)
     normal, offset = parts.face_normal.copy(), parts.face_offset.copy()
-    for number in set(place.values()):
-        group = groups[number]
+    for group in groups.values():
         if len(group.faces) > 1:
-            signs = np.array(group.signs)
+            signs = side[group.faces]
             normal[group.faces], offset[group.faces] = signs[:, None] * group.normal, signs * group.offset
     return normal, offset, closed
 
@@ -104,22 +107,16 @@ def _single(parts: Blocks, face: int, area: float, limit: float) -> Group:
     corners = parts.vertices[parts.face_vertex[parts.face_start[face] : parts.face_start[face + 1]]]
     share = OWN_CORNERS * area / len(corners)
     sums = share * len(corners), share * corners.sum(axis=0), share * corners.T @ corners
-    return Group(*sums, parts.face_normal[face], parts.face_offset[face], [face], [1.0], [corners], [np.full(len(corners), limit)])
+    return Group(*sums, parts.face_normal[face], parts.face_offset[face], np.array([face]), corners, np.full(len(corners), limit))
 
 
-def _sign(group: Group, face: int) -> float:
-    return group.signs[group.faces.index(face)]
-
-
-def _joined(one: Group, two: Group, sign: float, sums: tuple[float, np.ndarray, np.ndarray]) -> Group | None:
-    """Both groups on one plane, or None where a corner would lie too far from it. sign: of the second group's normals in the first."""
+def _joined(one: Group, two: Group, sums: tuple[float, np.ndarray, np.ndarray]) -> Group | None:
+    """Both groups on one plane, or None where a corner would lie too far from it; sums: those of the points half way between them."""
     weight, first, second = one.weight + two.weight + sums[0], one.first + two.first + sums[1], one.second + two.second + sums[2]
     centre = first / weight
-    corners, limits = one.corners + two.corners, one.limits + two.limits
-    points = np.concatenate(corners)
+    faces, corners, limits = (np.concatenate([getattr(group, name) for group in (one, two)]) for name in ("faces", "corners", "limits"))
     _, axes = np.linalg.eigh(second / weight - np.outer(centre, centre))
     normal = axes[:, 0] * (1.0 if axes[:, 0] @ one.normal >= 0.0 else -1.0)
-    if np.any(np.abs((points - centre) @ normal) > np.concatenate(limits)):
+    if np.any(np.abs((corners - centre) @ normal) > limits):
         return None
-    signs = one.signs + [sign * other for other in two.signs]
-    return Group(weight, first, second, normal, float(normal @ centre), one.faces + two.faces, signs, corners, limits)
+    return Group(weight, first, second, normal, float(normal @ centre), faces, corners, limits)

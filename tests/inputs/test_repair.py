@@ -13,11 +13,14 @@ from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, find_interfaces, near_pairs, overlaps, polyhedron
 from la_core.limit.problem import Drive
 from la_core.repair import closing
+from la_core.repair.facing import facing_faces
+from la_core.repair.planes import common_planes
 from la_core.scene import Scene
 from la_core.scene.changes import _repair_rows
 
 LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
 ROUND_OFF = 1e-9
+LINEAR = 1.1  # of the growth of the wall
 
 
 def surveyed(
@@ -255,3 +258,22 @@ def test_the_depth_of_the_deepest_cut_is_told() -> None:
     rows = dict(_repair_rows(repairs.as_dict()))
     assert rows["overlapping corners cut off, up to 6.99 mm deep"] == str(repairs.overlaps_cut)
     assert not any("move of a corner" in name for name in rows)
+
+
+def test_planes_of_a_wall_four_times_as_long_take_four_times_the_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The faces of a bed join one by one: to put all corners of the bed together from each face again would take sixteen times as many."""
+    gathered, join = [0], np.concatenate
+
+    def counted(arrays, *arguments, **options):
+        gathered[-1] += len(arrays)
+        return join(arrays, *arguments, **options)
+
+    for per_course in (20, 80):
+        parts = surveyed(2, per_course, 0.0).blocks.parts
+        pairs = facing_faces(parts, np.arange(len(parts)), np.full(len(parts), 0.01))
+        monkeypatch.setattr(np, "concatenate", counted)
+        normal, offset, closed = common_planes(parts, pairs, np.zeros((0, 2), dtype=int), np.full(len(parts.face_normal), 0.01))
+        monkeypatch.undo()
+        gathered.append(0)
+        assert closed.all() and normal == pytest.approx(parts.face_normal) and offset == pytest.approx(parts.face_offset)
+    assert gathered[1] < LINEAR * 4.0 * gathered[0]
