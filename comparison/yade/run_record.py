@@ -199,7 +199,7 @@ def read_run(path: Path, assembly: Assembly) -> Run:
 
     assembly: the one that the run was made from, whose numbers of blocks and contact points are checked.
     """
-    missing = [field for field in exchange.LATER_RUN_FIELDS if not exchange.holds(path, field.path)]
+    missing = set(exchange.LATER_RUN_FIELDS) - set(exchange.present(path, exchange.LATER_RUN_FIELDS))
     data = exchange.read(path, tuple(field for field in exchange.RUN_FIELDS if field not in missing))
     groups: dict[str, dict[str, Any]] = {}
     for field_path, value in data.items():

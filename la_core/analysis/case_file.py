@@ -165,11 +165,14 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     exchange.ExchangeError
         The file is missing or damaged, or belongs to another scene.
     """
-    stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
-    predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    own = exchange.present(path, (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
-    with_error = exchange.holds(path, f"limit_analysis/associated/{drives(scene)[0].group}/error")
-    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path"), with_error) + own)
+    both, own = ("coulomb", "coulomb_sharp"), (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS)
+    present = exchange.present(path, _fields(scene, dict.fromkeys(both, True), has_path=True) + own)
+    held = {field.path for field in present}
+    groups = {name.rpartition("/")[0] for name in held}
+    predictions = {group: f"limit_analysis/{group}/uncertainty" in held for group in both if f"limit_analysis/{group}" in groups}
+    with_error = f"limit_analysis/associated/{drives(scene)[0].group}/error" in held
+    kept = tuple(field for field in own if field.path in held)
+    data = exchange.read(path, _fields(scene, predictions, "path" in groups, with_error) + kept)
     with exchange.values_of(path):
         choices = json.loads(data["scene/effects"])
         effects = Effects(**{**choices, "called_back": tuple(choices["called_back"])})

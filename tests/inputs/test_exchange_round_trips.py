@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 import scenes
 from exchange_files import FIELDS, VALUES, write_wall, write_whole
+from runs import perfect_run, write_run
 
+from comparison.yade.run_record import read_run
 from la_core import exchange
 from la_core.analysis.case_file import read_case, scene_digest, write_case
 from la_core.analysis.result import LimitAnalysis, associated_values
 from la_core.analysis.stage import analyse
+from la_core.exchange import hdf5
 from la_core.exchange.checksummed_file import ExchangeError
 from la_core.exchange.fields import CASE_FIELDS
 from la_core.limit.associated import Solution
@@ -64,6 +67,16 @@ def test_case_comes_back_as_it_was(case) -> None:
                 value, again = getattr(solution, field.name), getattr(read[drive], field.name)
                 assert type(again) is type(value), field.name
                 assert np.array_equal(value, again) if isinstance(value, np.ndarray) else value == again, field.name
+
+
+def test_files_are_read_and_sealed_twice_once_for_what_they_hold_and_once_for_its_values(case, tmp_path, monkeypatch) -> None:
+    """A file is read as a whole each time, and its digest computed."""
+    path, scene, analysis = case
+    write_run(tmp_path / "run.h5", perfect_run(analysis), "inputs")
+    opened, read = [], hdf5.read_sealed
+    monkeypatch.setattr(hdf5, "read_sealed", lambda file: (opened.append(file.name), read(file))[1])
+    read_run(tmp_path / "run.h5", read_case(path, scene).assembly)
+    assert opened == ["case.h5"] * 2 + ["run.h5"] * 2
 
 
 def test_case_that_cannot_stand_comes_back_with_the_names_of_what_falls(tmp_path) -> None:
