@@ -158,7 +158,8 @@ def _found(drawn: Drawn, snap: float) -> _Found:
         take_part = touched([found.outlines[k].points for k in here], lines, snap + drawn.sagitta)
         rings = [here[k] for k in np.flatnonzero(take_part)]
         faces, idle, around = enclosed(lines, snap, drawn.sagitta, [found.outlines[k].points for k in rings])
-        found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in set(rings)]
+        replaced = set(rings)
+        found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
         found.outlines += [Outline(face, layer, colour) for face in faces]
         found.around += [(layer, points) for points in around]
         found.idle[layer, colour] = [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]

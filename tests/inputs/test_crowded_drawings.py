@@ -5,6 +5,7 @@ import pytest
 
 from la_core.drawing import Drawn, Outline, cleaned, cleaning, enclosing
 
+LINEAR = 1.1  # of the growth of the drawing
 PLACE = ("WALL", "7")
 
 
@@ -50,3 +51,20 @@ def test_ends_of_lines_meet_in_any_order(order: tuple[int, ...]) -> None:
     merged = enclosing._merged(np.concatenate([ends, [[9.0, 0.0]]]), 1.0)
     assert np.array_equal(merged, np.concatenate([np.tile(ends[0], (3, 1)), [[9.0, 0.0]]]))
     assert np.array_equal(enclosing._merged(ends, 0.0), ends)
+
+
+def test_four_times_the_outlines_that_lines_divide_take_four_times_the_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line across all outlines of its layer replaces each by its two halves."""
+    gathered: list[int] = []
+
+    def counted(members=()):
+        found = set(members)
+        gathered[-1] += len(found)
+        return found
+
+    monkeypatch.setattr(cleaning, "set", counted, raising=False)
+    for count in (20, 80):
+        across = np.array([[-1.0, 0.5], [1.5 * count, 0.5 + 0.015 * count]])  # the boxes rise by 1 %
+        gathered.append(0)
+        assert len(cleaned(Drawn(1.0, boxes(count, 1.5), {PLACE: [across]}), 0.0).outlines) == 2 * count
+    assert 0 < gathered[1] < LINEAR * 4.0 * gathered[0]
