@@ -63,7 +63,7 @@ def effects_summary(scene: Scene, whole: Assembly, assembly: Assembly, analysis:
         }
         for name, left_out in EFFECTS.items()
     ]
-    return {name: getattr(effects, name) for name in EFFECTS} | {"reasons": effects.reasons, "table": table}
+    return {name: getattr(effects, name) for name in EFFECTS} | {"reasons": dict(effects.reasons), "table": table}
 
 
 def _modelled(name: str, choice: bool | str) -> str:

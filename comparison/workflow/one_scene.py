@@ -185,7 +185,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 
     results = outcome.results
     scene, analysis = results.scene, results.analysis
-    effects = dataclasses.asdict(analysis.assembly.effects)
+    effects = analysis.assembly.effects.as_dict
     first = first_prediction(analysis, folder)
     made_of = [outcome.inputs, outcome.yade, outcome.notes, effects, first, outcome.first_verdict]
     inputs = stage_digest(json.dumps(made_of, sort_keys=True), COMPARISON_CODE)

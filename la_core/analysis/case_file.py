@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -64,7 +64,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         "scene/title": scene.title,
         "scene/gravity": scene.gravity,
         "scene/plane": assembly.effects.plane,
-        "scene/effects": json.dumps(asdict(assembly.effects), sort_keys=True),
+        "scene/effects": json.dumps(assembly.effects.as_dict, sort_keys=True),
         "scene/displacement": assembly.effects.displacement,
         "scene/least_gap": analysis.least_gap,
         "scene/recording": assembly.effects.recording,

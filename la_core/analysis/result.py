@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from la_core.coulomb import CoulombSolution, EquilibriumPath, interval_status
+from la_core.geometry import Held
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness
 from la_core.scene import Scene, tilt_angles
@@ -78,7 +79,7 @@ def record_from_text(text: str) -> AccuracyRecord | None:
 
 
 @dataclass(frozen=True)
-class Answers:
+class Answers(Held):
     """Bounds and prediction at one inset.
 
     Attributes
@@ -113,7 +114,7 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class LimitAnalysis:
+class LimitAnalysis(Held):
     """Complete results of limit analysis, with the scene and the model that they belong to.
 
     The shared inset is the inset of both methods: the scene's, or the smallest one of YADE where the scene has inset 0.

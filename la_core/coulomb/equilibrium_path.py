@@ -10,6 +10,7 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import Point, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.geometry import Held
 from la_core.model import Assembly, JointStiffness
 
 FIRST_VISCOSITY = 1e-3
@@ -17,7 +18,7 @@ LEAST_SHARE = 1e-6  # of the weight, or a multiplier: the drag of smaller values
 
 
 @dataclass(frozen=True)
-class EquilibriumPath:
+class EquilibriumPath(Held):
     """Curve of the reaction over the settlement: rest under gravity, then one point per increment.
 
     It ends early, with fewer points P, where the path cannot go on; it has none where the blocks do not come to rest.

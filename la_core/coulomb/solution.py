@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from la_core.geometry import Held
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly
@@ -17,7 +18,7 @@ def _empty() -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class CoulombSolution:
+class CoulombSolution(Held):
     """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
 
     Attributes

@@ -13,7 +13,7 @@ import scipy
 import shapely
 
 from la_core.errors import SceneError
-from la_core.geometry.blocks import Blocks
+from la_core.geometry.blocks import Blocks, Held
 from la_core.geometry.faces import face_overlaps, opposite_faces
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
 
@@ -26,7 +26,7 @@ OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance
 
 
 @dataclass(frozen=True)
-class Interfaces:
+class Interfaces(Held):
     """The I interfaces of a structure as flat arrays.
 
     Attributes

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from la_core.errors import SceneError
-from la_core.geometry.blocks import Blocks
+from la_core.geometry.blocks import Blocks, Held
 from la_core.geometry.interfaces import Interfaces
 from la_core.geometry.polygons import owners, plane_axes, polygons_of, true_corners
 
@@ -21,7 +21,7 @@ RADIUS_HALVINGS = 20  # of the interval in which an inner radius is searched: a 
 
 
 @dataclass(frozen=True)
-class ContactPoints:
+class ContactPoints(Held):
     """The C contact points of a structure as flat arrays.
 
     Attributes

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from la_core.geometry import Held
 from la_core.limit.conic import REGULARISATION, TOLERANCE, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.falling import falling_blocks
 from la_core.limit.no_sliding import shared_friction
@@ -61,7 +62,7 @@ class Status(enum.StrEnum):
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(Held):
     """Answer of one limit analysis with its recomputed evidence. Undefined numbers are NaN.
 
     Attributes
@@ -295,6 +296,5 @@ def _with_evidence(
     error = FIRST_ORDER * (abs(from_forces - from_work) + unbalanced)
     confirmed = np.max(list(recomputed.values())) <= accuracy  # the solver's own status does not count
     status = Status.SOLVED if confirmed else Status.INACCURATE
-    return Solution(
-        status, value, twists, forces, seconds=answer.seconds, iterations=answer.iterations, falling=(), error=error, **recomputed
-    )
+    seconds, iterations = answer.seconds, answer.iterations
+    return Solution(status, value, twists, forces, seconds=seconds, iterations=iterations, falling=(), error=error, **recomputed)

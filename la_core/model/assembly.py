@@ -11,6 +11,7 @@ from la_core.geometry import (
     SLIVER,
     Blocks,
     ContactPoints,
+    Held,
     Interfaces,
     contact_points,
     find_interfaces,
@@ -33,7 +34,7 @@ def per_length(wrenches: np.ndarray, length: float) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Assembly:
+class Assembly(Held):
     """Mechanical model of a scene: blocks, interfaces, contact points, dead load, and the driving motion or load.
 
     Attributes

@@ -1,10 +1,13 @@
 """The effects that a scene needs, each with its reason."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from la_core.errors import SceneError
+from la_core.geometry import Held
 from la_core.scene import Scene
 from la_core.text_table import coordinate_text
 
@@ -12,7 +15,7 @@ FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in t
 
 
 @dataclass(frozen=True)
-class Effects:
+class Effects(Held):
     """Modelled effects with their reasons.
 
     Attributes
@@ -30,7 +33,7 @@ class Effects:
         Contacts in YADE: "small" (those of the case) or "finite" (YADE searches for new ones).
     recording : str
         States that YADE stores: "plateau" (at rest and on the plateau) or "states" (all the way).
-    reasons : dict of str
+    reasons : mapping of str
         Reason for each effect, by its name.
     rotation : str
         Rotations of the blocks in limit analysis: "small", or "finite" (turning blocks may release thrusts).
@@ -46,14 +49,19 @@ class Effects:
     reach: bool
     displacement: str
     recording: str
-    reasons: dict[str, str]
+    reasons: Mapping[str, str]
     rotation: str = "small"
     sliding_excluded: bool = False
     called_back: tuple[str, ...] = ()
 
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """All of them by name, as JSON can hold them."""
+        return vars(self) | {"reasons": dict(self.reasons)}
+
     def with_effect(self, effect: str, choice: bool | str, reason: str) -> "Effects":
         """The same effects with another choice for one of them, and its reason."""
-        return replace(self, **{effect: choice, "reasons": self.reasons | {effect: reason}})  # type: ignore[arg-type]
+        return replace(self, **{effect: choice, "reasons": dict(self.reasons) | {effect: reason}})  # type: ignore[arg-type]
 
 
 def decide(scene: Scene) -> Effects:
