@@ -8,6 +8,8 @@ the plateau on.
 
 from typing import Any
 
+import numpy as np
+
 from comparison.numbers import format_number
 from comparison.yade import Results
 from la_core.limit import Status
@@ -22,7 +24,8 @@ def greatest_load_summary(results: Results) -> dict[str, Any] | None:
     """Return the greatest multiplier on the way by method, and a sentence on it; None where none is clearly above its plateau.
 
     A method whose greatest multiplier is not above its plateau by LEAST_MORE and its uncertainty is left out. No value is above the
-    associated bound: no state in balance is there, and a jump of blocks may show more for a moment.
+    associated bound: no state in balance is there, and a jump of blocks may show more for a moment. Where a curve leaves its plateau, what
+    comes after it does not count.
     """
     analysis, run = results.analysis, results.run
     if analysis.scene.live is None:
@@ -33,9 +36,12 @@ def greatest_load_summary(results: Results) -> dict[str, Any] | None:
         ways["limit_analysis"] = (analysis.coulomb.path_value, analysis.coulomb.value, analysis.coulomb.uncertainty)
     if run is not None and run.status == "plateau":
         ways["yade"] = (run.settling("reaction"), run.reaction, run.uncertainty)
-    for method, (way, plateau, uncertainty) in ways.items():
-        greatest = min(float(way.max()), bound.value) if bound.status is Status.SOLVED else float(way.max())
-        if greatest > plateau + uncertainty + LEAST_MORE * max(abs(plateau), LEAST_MULTIPLIER):
+    for method, (curve, plateau, uncertainty) in ways.items():
+        more = uncertainty + LEAST_MORE * max(abs(plateau), LEAST_MULTIPLIER)
+        at_plateau = np.flatnonzero(np.abs(curve - plateau) <= more)
+        greatest = float(curve[: at_plateau[-1]].max(initial=-np.inf)) if len(at_plateau) else float(curve.max())
+        greatest = min(greatest, bound.value) if bound.status is Status.SOLVED else greatest
+        if greatest > plateau + more:
             found[method] = greatest
     return found | {"words": _words(results, found)} if found else None
 

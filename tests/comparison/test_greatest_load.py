@@ -47,6 +47,15 @@ def test_a_greater_load_on_the_way_is_told_up_to_the_bound(greatest: float, told
     assert f"rose to about {told:.3f} in limit analysis. A load that only grows" in found["words"]
 
 
+def test_a_load_after_the_plateau_is_not_on_the_way_to_it() -> None:
+    """The curve comes to 0.2, and rises to 0.28 when blocks meet."""
+    curve = {"path_settlement": np.linspace(0.0, 1e-3, 5), "path_value": np.array([0.0, 0.2, 0.2, 0.25, 0.28])}
+    assert greatest_load_summary(Results(pushed(value=0.2, uncertainty=1e-4, **curve))) is None
+    curve["path_value"] = np.array([0.0, 0.24, 0.2, 0.25, 0.28])
+    found = greatest_load_summary(Results(pushed(value=0.2, uncertainty=1e-4, **curve)))
+    assert found is not None and found["limit_analysis"] == 0.24
+
+
 def test_each_method_speaks_of_its_own_way() -> None:
     way = {"path_settlement": np.array([0.0, 1e-3]), "path_value": np.array([0.0, 0.2])}
     analysis = pushed(value=0.2, uncertainty=1e-4, **way)
