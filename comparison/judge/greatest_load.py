@@ -1,9 +1,8 @@
 """The greatest live load on the way to a plateau: friction may lock a thrust in, and the structure carries more until blocks slip.
 
-Both methods follow the motion of the blocks. Their answer is the plateau, the load that keeps the blocks moving. A load
-that only grows, as on a tilting table, makes the structure fail at its greatest value on the way. This value depends on
-how the load came about and on the stiffness of the joints. A shock may make the structure fail before, at any load from
-the plateau on.
+Both methods follow the motion of the blocks. Their answer is the plateau, the load that keeps the blocks moving. Their curves may pass
+a greater load. A structure under a load that only grows, as on a tilting table, may stand up to there. But the drag of a path and the
+inertia of a run also lift a curve while blocks gain speed, so that its greatest value is no load to rely on.
 """
 
 from typing import Any
@@ -15,7 +14,9 @@ from comparison.yade import Results
 from la_core.limit import Status
 from la_core.scene import tilt_angles
 
-LEAST_MORE = 0.01  # of the multiplier: a smaller excess is no other answer
+# Of the multiplier. Of 36 random structures the drag of the usual paths made up to 4 %, and inertia in YADE up to 8 %, which vanished
+# with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is told only beside one of limit analysis.
+LEAST_MORE = 0.05
 LEAST_MULTIPLIER = 0.01  # an excess over less than this is relative to this
 WORDS = {"limit_analysis": "in limit analysis", "yade": "in YADE"}
 
@@ -23,9 +24,9 @@ WORDS = {"limit_analysis": "in limit analysis", "yade": "in YADE"}
 def greatest_load_summary(results: Results) -> dict[str, Any] | None:
     """Return the greatest multiplier on the way by method, and a sentence on it; None where none is clearly above its plateau.
 
-    A method whose greatest multiplier is not above its plateau by LEAST_MORE and its uncertainty is left out. No value is above the
-    associated bound: no state in balance is there, and a jump of blocks may show more for a moment. Where a curve leaves its plateau, what
-    comes after it does not count.
+    A method whose greatest multiplier is not above its plateau by LEAST_MORE and its uncertainty is left out, and so is one whose curve
+    rises above the associated bound: no state in balance is there, so its greatest load is unknown. Where a curve leaves its plateau, what
+    comes after it does not count. YADE's is told only beside that of limit analysis.
     """
     analysis, run = results.analysis, results.run
     if analysis.scene.live is None:
@@ -40,10 +41,9 @@ def greatest_load_summary(results: Results) -> dict[str, Any] | None:
         more = uncertainty + LEAST_MORE * max(abs(plateau), LEAST_MULTIPLIER)
         at_plateau = np.flatnonzero(np.abs(curve - plateau) <= more)
         greatest = float(curve[: at_plateau[-1]].max(initial=-np.inf)) if len(at_plateau) else float(curve.max())
-        greatest = min(greatest, bound.value) if bound.status is Status.SOLVED else greatest
-        if greatest > plateau + more:
+        if plateau + more < greatest <= (bound.value if bound.status is Status.SOLVED else np.inf):
             found[method] = greatest
-    return found | {"words": _words(results, found)} if found else None
+    return found | {"words": _words(results, found)} if "limit_analysis" in found else None
 
 
 def _words(results: Results, found: dict[str, float]) -> str:
@@ -55,6 +55,7 @@ def _words(results: Results, found: dict[str, float]) -> str:
 
     values = " and ".join(f"{text(value)} {WORDS[method]}" for method, value in found.items())
     return (
-        f"On the way to this plateau the multiplier rose to about {values}. A load that only grows makes the structure fail there. "
-        "The plateau is the load that keeps the blocks moving; a shock may make the structure fail at any load from the plateau on."
+        f"On the way to this plateau the multiplier rose to about {values}. Under a load that only grows the structure may stand up to "
+        "there, but drag and inertia have a part in it, and a shock may make the structure fail at any load from the plateau on. "
+        "The plateau is the load that keeps the blocks moving."
     )

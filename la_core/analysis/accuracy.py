@@ -24,6 +24,7 @@ ROUNDED, HISTORY, ELASTIC, BOUND = "rounded edges", "friction's history", "elast
 ROUNDED_HISTORY = "friction's history in the part of rounded edges"
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded edges: a smaller inset costs nothing
+TIED_TO_INSET = frozenset({"sphere_radius", "max_travel"})  # settings of YADE that a scene chooses for its inset
 LEAST_INSET = 0.02  # of the scene's
 # Paths of the attempts: viscosities and effort relative to the default, division of the steps. Coarser paths than the default take as
 # long, and may both pass a plateau that the default ones show.
@@ -114,7 +115,7 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     by_bounds = has_history(analysis) and not _has_two_predictions(analysis)
     pair = (rounded.bounds[analysis.main], sharp.bounds[analysis.main]) if by_bounds else (rounded.sharpest, sharp.sharpest)
     attempts = analysis.accuracy.limit_analysis if analysis.accuracy else ()
-    of_attempt = attempts[-1].parts[ROUNDED] if attempts and math.isfinite(attempts[-1].parts.get(ROUNDED, math.nan)) else 0.0
+    of_attempt = attempts[-1].parts.get(ROUNDED, 0.0) if attempts else 0.0
     parts = {
         ROUNDED: float(np.max([abs(pair[0].value - pair[1].value) / scale(analysis), of_attempt])),
         ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
@@ -142,19 +143,20 @@ def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: 
     """Return what rounded edges change of a prediction, relative, by a second one at half the inset.
 
     The lever arms of joints that slide may change it by several times as much as the bound. The second half of the inset is
-    taken to change it as the first half does. 0 where there is no such prediction, or where the scene fixes the inset; NaN
-    where the second one fails.
+    taken to change it as the first half does. 0 where there is no such prediction; NaN where the second one fails.
     """
     answer = analysis.coulomb
-    if not has_history(analysis) or _has_two_predictions(analysis) or answer is None or _is_tied_to_inset(model.scene):
+    if not has_history(analysis) or _has_two_predictions(analysis) or answer is None:
         return 0.0
-    second = analyse_once(model.with_inset(0.5 * analysis.assembly.inset), settings, Silent()).coulomb
+    yade = {name: value for name, value in model.scene.yade.items() if name not in TIED_TO_INSET}
+    free = replace(model, scene=replace(model.scene, yade=yade))
+    second = analyse_once(free.with_inset(0.5 * analysis.assembly.inset), settings, Silent()).coulomb
     return math.nan if second is None else 2.0 * abs(answer.value - second.value) / scale(analysis)
 
 
 def _is_tied_to_inset(scene: Scene) -> bool:
     """Whether the scene sets what YADE may have for its inset alone."""
-    return bool({"sphere_radius", "max_travel"} & set(scene.yade))
+    return bool(TIED_TO_INSET & set(scene.yade))
 
 
 def _attempt(analysis: LimitAnalysis, level: int, start: float, change_by_inset: float) -> Attempt:

@@ -35,16 +35,16 @@ def test_a_curve_that_rises_to_its_plateau_has_no_greater_load() -> None:
     assert greatest_load_summary(Results(analysis)) is None
 
 
-@pytest.mark.parametrize(("greatest", "told"), [(0.28, 0.28), (0.2, None), (0.2018, None), (5.0, 0.3)])
+@pytest.mark.parametrize(("greatest", "told"), [(0.28, 0.28), (0.2, None), (0.208, None), (5.0, None)])
 def test_a_greater_load_on_the_way_is_told_up_to_the_bound(greatest: float, told: float | None) -> None:
-    """The plateau is 0.2; 1 % more is no other answer, and no state in balance lies above the bound of 0.3."""
+    """The plateau is 0.2; 4 % more may be drag, and a curve above the bound of 0.3 is in no balance."""
     analysis = pushed(value=0.2, uncertainty=1e-4, path_settlement=np.array([0.0, 1e-4, 1e-3]), path_value=np.array([0.0, greatest, 0.2]))
     found = greatest_load_summary(Results(analysis))
     if told is None:
         assert found is None
         return
     assert found is not None and found["limit_analysis"] == pytest.approx(told, rel=1e-3) and "yade" not in found
-    assert f"rose to about {told:.3f} in limit analysis. A load that only grows" in found["words"]
+    assert f"rose to about {told:.3f} in limit analysis. Under a load that only grows" in found["words"]
 
 
 def test_a_load_after_the_plateau_is_not_on_the_way_to_it() -> None:
@@ -56,15 +56,17 @@ def test_a_load_after_the_plateau_is_not_on_the_way_to_it() -> None:
     assert found is not None and found["limit_analysis"] == 0.24
 
 
-def test_each_method_speaks_of_its_own_way() -> None:
-    way = {"path_settlement": np.array([0.0, 1e-3]), "path_value": np.array([0.0, 0.2])}
+@pytest.mark.parametrize(("at_most", "is_told"), [(0.2, False), (0.25, True)])
+def test_the_greatest_load_of_yade_is_told_beside_that_of_limit_analysis_alone(at_most: float, is_told: bool) -> None:
+    """Blocks that gain speed lift the record of YADE: alone it proves nothing."""
+    way = {"path_settlement": np.linspace(0.0, 1e-3, 3), "path_value": np.array([0.0, at_most, 0.2])}
     analysis = pushed(value=0.2, uncertainty=1e-4, **way)
-    multipliers = np.array([0.0, 0.25, 0.21, 0.2])
-    record = {"stage": np.ones(4, dtype=int), "settlement": np.linspace(0.0, 1e-3, 4), "reaction": multipliers}
+    record = {"stage": np.ones(4, dtype=int), "settlement": np.linspace(0.0, 1e-3, 4), "reaction": np.array([0.0, 0.26, 0.21, 0.2])}
     run = made_up_run({"status": "plateau", "reaction": 0.2, "uncertainty": 0.002}, record)
     found = greatest_load_summary(Results(analysis, run))
-    assert found is not None and found["yade"] == 0.25 and "limit_analysis" not in found
-    assert "0.2500 in YADE" in found["words"] or "0.250 in YADE" in found["words"]
+    assert (found is not None) is is_told
+    if found is not None:
+        assert found["limit_analysis"] == at_most and found["yade"] == 0.26
 
 
 def test_a_structure_of_five_blocks_stands_at_more_than_its_plateau() -> None:
