@@ -53,6 +53,10 @@ AFTER_KEYS = {
     "coulomb_uncertainty": Column(ANSWER, "uncertainty that the Coulomb prediction states", "number"),
     "coulomb_released": Column(ANSWER, "Coulomb prediction after turning blocks have released thrusts; empty where unknown", "number"),
     "coulomb_released_uncertainty": Column(ANSWER, "uncertainty that it states", "number"),
+    "coulomb_peak": Column(
+        "", "greatest multiplier on the way to the plateau of the prediction; empty where it does not rise above", "number"
+    ),
+    "coulomb_peak_uncertainty": Column("", "uncertainty that it states", "number"),
     "coulomb_plateaus": Column("", "number of plateaus on which the paths of the prediction end", "count"),
     "coulomb_low": Column(ANSWER, "least value that the mechanism of the prediction allows", "number"),
     "coulomb_high": Column(ANSWER, "greatest value that the mechanism of the prediction allows", "number"),
@@ -133,6 +137,8 @@ def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> 
         "coulomb_uncertainty": coulomb.get("uncertainty"),
         "coulomb_released": coulomb.get("released"),
         "coulomb_released_uncertainty": coulomb.get("released_uncertainty"),
+        "coulomb_peak": coulomb.get("peak"),
+        "coulomb_peak_uncertainty": coulomb.get("peak_uncertainty"),
         "coulomb_plateaus": len(plateaus) or 1 if (plateaus := coulomb.get("plateaus")) is not None else None,
         "coulomb_low": low,
         "coulomb_high": high,

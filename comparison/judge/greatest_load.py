@@ -1,16 +1,18 @@
 """The greatest live load on the way to a plateau: friction may lock a thrust in, and the structure carries more until blocks slip.
 
 Both methods follow the motion of the blocks. Their answer is the plateau, the load that keeps the blocks moving. Their curves may pass
-a greater load. A structure under a load that only grows, as on a tilting table, may stand up to there. But the drag of a path and the
-inertia of a run also lift a curve while blocks gain speed, so that its greatest value is no load to rely on.
+a greater load. A structure under a load that only grows, as on a tilting table, stands up to there. Limit analysis gives this peak with
+an uncertainty. The inertia of a run lifts YADE's record while blocks gain speed, so that its greatest value is no load to rely on.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from comparison.numbers import format_number
+from comparison.numbers import exists, format_number, with_uncertainty
 from comparison.yade import Results
+from la_core.coulomb import peak_before
+from la_core.exchange import UNCERTAIN
 from la_core.limit import Status
 from la_core.scene import tilt_angles
 
@@ -18,44 +20,72 @@ from la_core.scene import tilt_angles
 # with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is told only beside one of limit analysis.
 LEAST_MORE = 0.05
 LEAST_MULTIPLIER = 0.01  # an excess over less than this is relative to this
-WORDS = {"limit_analysis": "in limit analysis", "yade": "in YADE"}
+
+
+class _Way(NamedTuple):
+    """Greatest multiplier of one method on the way to its plateau; its uncertainty is NaN where drag or inertia may have a part in it."""
+
+    greatest: float
+    uncertainty: float = float("nan")
 
 
 def greatest_load_summary(results: Results) -> dict[str, Any] | None:
     """Return the greatest multiplier on the way by method, and a sentence on it; None where none is clearly above its plateau.
 
-    A method whose greatest multiplier is not above its plateau by LEAST_MORE and its uncertainty is left out, and so is one whose curve
-    rises above the associated bound: no state in balance is there, so its greatest load is unknown. Where a curve leaves its plateau, what
-    comes after it does not count. YADE's is told only beside that of limit analysis.
+    The peak of limit analysis is told where it is above the plateau by both uncertainties and UNCERTAIN. A greatest multiplier without an
+    uncertainty, of YADE or of a large structure, has to be above its plateau by LEAST_MORE and the uncertainty of the plateau. A multiplier
+    above the associated bound is left out: no state in balance is there. YADE's is told only beside that of limit analysis.
     """
     analysis, run = results.analysis, results.run
     if analysis.scene.live is None:
         return None
-    bound, found = analysis.bounds[analysis.main], {}
-    ways = {}
-    if analysis.coulomb is not None and len(analysis.coulomb.path_value):
-        ways["limit_analysis"] = (analysis.coulomb.path_value, analysis.coulomb.value, analysis.coulomb.uncertainty)
-    if run is not None and run.status == "plateau":
-        ways["yade"] = (run.settling("reaction"), run.reaction, run.uncertainty)
-    for method, (curve, plateau, uncertainty) in ways.items():
-        more = uncertainty + LEAST_MORE * max(abs(plateau), LEAST_MULTIPLIER)
-        at_plateau = np.flatnonzero(np.abs(curve - plateau) <= more)
-        greatest = float(curve[: at_plateau[-1]].max(initial=-np.inf)) if len(at_plateau) else float(curve.max())
-        if plateau + more < greatest <= (bound.value if bound.status is Status.SOLVED else np.inf):
-            found[method] = greatest
-    return found | {"words": _words(results, found)} if "limit_analysis" in found else None
+    bound, coulomb, ways = analysis.bounds[analysis.main], analysis.coulomb, dict[str, _Way | None]()
+    most = bound.value if bound.status is Status.SOLVED else np.inf
+    if coulomb is not None and len(coulomb.peak):
+        ways["limit_analysis"] = _of_peak(coulomb.peak, coulomb.value, coulomb.uncertainty, most)
+    elif coulomb is not None and len(coulomb.path_value):
+        ways["limit_analysis"] = _of_curve(coulomb.path_value, coulomb.value, coulomb.uncertainty, most)
+    if run is not None and run.status == "plateau" and ways.get("limit_analysis"):
+        ways["yade"] = _of_curve(run.settling("reaction"), run.reaction, run.uncertainty, most)
+    told = {method: way for method, way in ways.items() if way is not None}
+    if not told:
+        return None
+    found = {method: way.greatest for method, way in told.items()}
+    stated = {f"{method}_uncertainty": way.uncertainty for method, way in told.items() if exists(way.uncertainty)}
+    return found | stated | {"words": _words(results, told)}
 
 
-def _words(results: Results, found: dict[str, float]) -> str:
+def _of_peak(known: np.ndarray, level: float, uncertainty: float, most: float) -> _Way | None:
+    """Return a peak with its uncertainty, (2,); None where it is not clearly above its plateau, or is above the bound."""
+    peak, stated = known.tolist()
+    more = stated + uncertainty + UNCERTAIN * max(abs(level), LEAST_MULTIPLIER)
+    return _Way(min(peak, most), stated) if level + more < peak <= most + stated else None
+
+
+def _of_curve(curve: np.ndarray, level: float, uncertainty: float, most: float) -> _Way | None:
+    """Return the greatest value of a curve on the way to its plateau; None where it is not clearly above, or is above the bound."""
+    more = uncertainty + LEAST_MORE * max(abs(level), LEAST_MULTIPLIER)
+    greatest = peak_before(curve, level, more)
+    return _Way(greatest) if level + more < greatest <= most else None
+
+
+def _words(results: Results, told: dict[str, _Way]) -> str:
     """Return what the greatest multipliers mean."""
 
-    def text(value: float) -> str:
-        angles = tilt_angles(results.scene.tilt, value, float("nan"))
-        return format_number(value, 3) + (f" ({format_number(angles['angle'], 3)} degrees)" if angles else "")
+    def text(way: _Way) -> str:
+        angles = tilt_angles(results.scene.tilt, way.greatest, way.uncertainty)
+        if exists(way.uncertainty):
+            angle = f" ({with_uncertainty(angles['angle'], angles['angle_uncertainty'])} degrees)" if angles else ""
+            return with_uncertainty(way.greatest, way.uncertainty) + angle
+        return f"about {format_number(way.greatest, 3)}" + (f" ({format_number(angles['angle'], 3)} degrees)" if angles else "")
 
-    values = " and ".join(f"{text(value)} {WORDS[method]}" for method, value in found.items())
-    return (
-        f"On the way to this plateau the multiplier rose to about {values}. Under a load that only grows the structure may stand up to "
-        "there, but drag and inertia have a part in it, and a shock may make the structure fail at any load from the plateau on. "
-        "The plateau is the load that keeps the blocks moving."
-    )
+    of_analysis = told["limit_analysis"]
+    values = f"{text(of_analysis)} in limit analysis" + (f" and {text(told['yade'])} in YADE" if "yade" in told else "")
+    if exists(of_analysis.uncertainty):
+        stands = "By limit analysis the structure stands up to there under a load that only grows slowly from nothing"
+        stands += "; inertia has a part in the value of YADE" if "yade" in told else ""
+        stands += ". A shock may make it fail at any load from the plateau on."
+    else:
+        stands = "Under a load that only grows the structure may stand up to there, but drag and inertia have a part in it, and a shock "
+        stands += "may make the structure fail at any load from the plateau on."
+    return f"On the way to this plateau the multiplier rose to {values}. {stands} The plateau is the load that keeps the blocks moving."

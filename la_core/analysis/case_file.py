@@ -91,6 +91,8 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         own[exchange.LONG_RUN_SETTINGS] = as_text(of_long_run)
     if analysis.coulomb is not None and math.isfinite(analysis.coulomb.released):
         own |= {field: values[field.path] for field in exchange.RELEASE_FIELDS}
+    if analysis.coulomb is not None and len(analysis.coulomb.peak):
+        own |= {field: values[field.path] for field in exchange.PEAK_FIELDS}
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -165,7 +167,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     exchange.ExchangeError
         The file is missing or damaged, or belongs to another scene.
     """
-    both, own = ("coulomb", "coulomb_sharp"), (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS)
+    both, own = ("coulomb", "coulomb_sharp"), (*exchange.OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS, *exchange.PEAK_FIELDS)
     present = exchange.present(path, _fields(scene, dict.fromkeys(both, True), has_path=True) + own)
     held = {field.path for field in present}
     groups = {name.rpartition("/")[0] for name in held}

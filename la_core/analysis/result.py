@@ -270,13 +270,13 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
 def _stated(coulomb: CoulombSolution) -> dict[str, Any]:
     """Return what a prediction states beside its value."""
     values = {name: getattr(coulomb, name) for name in ("uncertainty", "released", "released_uncertainty")}
+    values |= dict(zip(("peak", "peak_uncertainty"), coulomb.peak.tolist() or [math.nan, math.nan], strict=True))
     return values | {"plateaus": coulomb.plateaus.tolist()}
 
 
 def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     """Return the curve from rest to the plateau as lists by their JSON keys; None without a path."""
-    path = analysis.path
-    if path is None:
+    if (path := analysis.path) is None:
         return None
     keys = {"settlement": "settlement", "value": analysis.scene.quantity, "strain_residual": "strain_residual", "converged": "converged"}
     values = {key: getattr(path, name).tolist() for name, key in keys.items()}

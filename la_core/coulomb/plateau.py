@@ -88,6 +88,15 @@ def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: floa
     return Plateau(value, last, abs(last - before), scatter, end)
 
 
+def peak_before(values: np.ndarray, level: float, near: float) -> float:
+    """Greatest value of a curve (P,) on the way to a level: before it comes within `near` of the level for the last time.
+
+    What comes after the level does not count. A curve that never comes to it counts whole.
+    """
+    at_level = np.flatnonzero(np.abs(values - level) <= near)
+    return float(values[: at_level[-1]].max(initial=-np.inf) if len(at_level) else values.max())
+
+
 def _lengths(progress: np.ndarray, low: float, high: float) -> np.ndarray:
     """Length of every step within a stretch; a value holds over the step that it ends."""
     inside = np.clip(progress, low, high)

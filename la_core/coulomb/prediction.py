@@ -23,7 +23,7 @@ from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.release import released
 from la_core.coulomb.several_paths import BROAD, disagree, joints_of_path, left_by_smoothing, on_one_plateau, stated_uncertainty
-from la_core.coulomb.sharp_path import follow
+from la_core.coulomb.sharp_path import PEAK_PATHS, follow, peak_on_the_way
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.limit import Solution, Status
 from la_core.model import Assembly, JointStiffness
@@ -35,6 +35,8 @@ LOCKED_IN = 0.25
 # Times the weight, or the value where this is larger: with a larger uncertainty there is no answer. Blocks that fall on one path leave
 # a million weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
 UNKNOWN = 100.0
+# Of the value, under a live load: a curve that rises less above it, beyond its uncertainty, has no peak.
+SOUGHT = 5e-3
 # Factor by which the limits of a step are divided on one more path, where the value after a release is uncertain. Such a structure passes
 # many states on its way, and all paths with the usual steps may end in the same wrong one. On the wall that led to this path a factor of
 # 1.3 already showed that they do, and 3 led to the value of YADE.
@@ -146,7 +148,22 @@ def _followed_from_rest(
                 return _of_falling_blocks(assembly, start, iterations + after.iterations)
         solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state)
         iterations += after.iterations
+    unit = joints.value_in_units(1.0)
+    if joints.live and not followed[-1].smooth_error and _rises_above(solution, unit):
+        send, end = progress.senders_of_more([first for first, _ in PEAK_PATHS]), float(solution.path_settlement[-1]) / stiffness.travel
+        peak, more = peak_on_the_way(joints, tangent, rest, solution.value / unit, end, settings, send)
+        solution = replace(solution, peak=peak * unit)
+        iterations += more
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
+
+
+def _rises_above(solution: CoulombSolution, unit: float) -> bool:
+    """Whether the curve of a solution rises above its value on the way to it, by more than its uncertainty and SOUGHT.
+
+    unit: value of a scaled one.
+    """
+    near = solution.uncertainty + SOUGHT * plateau.reference_size(solution.value / unit) * unit
+    return plateau.peak_before(solution.path_value, solution.value, near) > solution.value + near
 
 
 def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:

@@ -1,6 +1,11 @@
-"""A path of sharp joints: its travel is doubled until its curve is flat, and it ends in a certified limit state."""
+"""A path of sharp joints: its travel is doubled until its curve is flat, and it ends in a certified limit state.
+
+Under a live load the greatest multiplier on the way is of interest, too. The usual viscosity lifts it, because blocks gain speed there.
+"""
 
 from dataclasses import replace
+
+import numpy as np
 
 from la_core.coulomb import plateau
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, certified_end, limit_state_near
@@ -25,6 +30,12 @@ from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
 
+# First viscosity of a path to a peak, and the factor by which the limits of its steps are divided. Of 36 random walls the usual viscosities
+# lifted the peak by up to 5 %, and these by nothing that the two paths do not show.
+PEAK_PATHS = ((1e-5, 1.0), (1e-6, 3.0))
+PEAK_SAFETY = 2.0  # times the difference between the peaks of these paths
+# Of a peak, between the ends of two steps. Of 29 peaks of random walls the finer of the two paths missed 0.15 % at most.
+BETWEEN_STEPS = 2e-3
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -38,6 +49,26 @@ def follow(
     more = max(len(joints.weights) / BIG, 1.0) ** 2
     viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
     return _to_its_end(QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer), settings, as_far_as, send)
+
+
+def peak_on_the_way(
+    joints: ElasticJoints, tangent: Tangent, rest: State, level: float, end: float, settings: PredictionSettings, senders: list[Sender]
+) -> tuple[np.ndarray, int]:
+    """Follow PEAK_PATHS to a progress; return their peak on the way to a scaled value with its uncertainty, and the Newton iterations.
+
+    The peak is a (2,) array, scaled, and empty where a path does not come to the progress. senders: one for each path.
+    """
+    peaks, iterations, near = [], 0, plateau.ALIKE * plateau.reference_size(level)
+    for (first, finer), send in zip(PEAK_PATHS, senders, strict=True):
+        path = QuasiStaticPath(joints, tangent, rest, annealed(joints, first), finer * settings.finer)
+        for point in path.advance_to(end, finer * most_iterations(joints, settings)):
+            send(point.progress, end, point.value)
+        iterations += path.iterations
+        if path.last.progress < end:
+            return np.zeros(0), iterations
+        peaks.append(plateau.peak_before(path.curve[1], level, near))
+    coarse, fine = peaks
+    return np.array([fine, PEAK_SAFETY * abs(fine - coarse) + BETWEEN_STEPS * abs(fine)]), iterations
 
 
 def go_on_turning(

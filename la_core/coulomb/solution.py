@@ -70,6 +70,9 @@ class CoulombSolution(Held):
     released, released_uncertainty : float
         Value of a prediction with small rotations after turning blocks have released a thrust, and its uncertainty, in the unit of the
         value. NaN where it is unknown, or where nothing called for it.
+    peak : (2,) array
+        Greatest multiplier on the way to the plateau of a live load, without drag, and its uncertainty; empty where the curve does not rise
+        above the plateau, or where the peak is unknown.
     released_state : tuple of two arrays (B, 6) and (C, 3), or None
         Mechanism and contact forces of that value, as `twists` and `forces`. None where there is no such value, or it comes from a file.
     """
@@ -97,6 +100,7 @@ class CoulombSolution(Held):
     path_value: np.ndarray = field(default_factory=_empty)
     released: float = NAN
     released_uncertainty: float = NAN
+    peak: np.ndarray = field(default_factory=_empty)
     released_state: tuple[np.ndarray, np.ndarray] | None = None
 
     @property

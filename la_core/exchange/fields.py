@@ -209,6 +209,11 @@ RELEASE_FIELDS = _below(
         ("released_uncertainty", "f8", (), "N, N m or -", "stated uncertainty of that value"),
     ),
 )
+# Optional: only where the curve of a live load rises above its plateau.
+PEAK_FIELDS = _below(
+    "coulomb",
+    (("peak", "f8", (2,), "-", "greatest multiplier on the way to the plateau, and its stated uncertainty"),),
+)
 
 # Not in the files of version 0.2.0.
 UNCERTAINTY_PARTS = (

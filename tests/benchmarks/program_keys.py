@@ -58,6 +58,7 @@ def hdf5_fields() -> str:
         ("### `case.h5`: associated answers", exchange.schema_table(exchange.solution_fields("GROUP"))),
         ("### `case.h5`: Coulomb predictions", exchange.schema_table(exchange.coulomb_fields("GROUP"))),
         ("### `case.h5`: where the paths of the prediction went on with turning blocks", exchange.schema_table(exchange.RELEASE_FIELDS)),
+        ("### `case.h5`: where the curve of a live load rises above its plateau", exchange.schema_table(exchange.PEAK_FIELDS)),
         ("### `case.h5`: the path, where one is requested", exchange.schema_table(exchange.PATH_FIELDS)),
         ("### `run.h5`", exchange.schema_table(exchange.RUN_FIELDS)),
     ]

@@ -84,6 +84,27 @@ def test_a_structure_of_five_blocks_stands_at_more_than_its_plateau() -> None:
     found = greatest_load_summary(Results(analysis))
     assert analysis.coulomb is not None and analysis.coulomb.value == pytest.approx(0.197, rel=0.01)
     assert found is not None and 0.245 < found["limit_analysis"] < 0.255
+    peak, stated = analysis.coulomb.peak
+    assert found["limit_analysis"] == peak and found["limit_analysis_uncertainty"] == stated
+    assert 0.0 < stated < 0.002 and peak - stated > 0.245 and peak + stated < 0.250
+    assert f"rose to {peak:.4f} ± {stated:.4f} in limit analysis. By limit analysis the structure stands up to there" in found["words"]
+
+
+@pytest.mark.parametrize(("peak", "told"), [(0.2025, None), (0.205, 0.205), (0.3005, 0.3), (0.302, None)])
+def test_a_peak_with_its_uncertainty_is_told_from_one_per_cent_on_and_is_not_above_the_bound(peak: float, told: float | None) -> None:
+    """The plateau is 0.2 and the bound 0.3, to which a peak of 0.3005 ± 0.001 reaches."""
+    analysis = pushed(value=0.2, uncertainty=1e-4, peak=np.array([peak, 0.001]))
+    found = greatest_load_summary(Results(analysis))
+    assert (found and found["limit_analysis"]) == (None if told is None else pytest.approx(told, rel=1e-5))
+
+
+def test_the_peak_of_a_tilted_structure_is_told_as_an_angle_with_its_uncertainty() -> None:
+    box, base = scenes.box("block", (0.2, 0.0, 0.0), (0.6, 0.3, 0.4)), scenes.box("base", (0.0, 0.0, -0.2), (1.0, 0.3, 0.0), "fixed")
+    analysis = analyse(scenes.build(base, box, tilt=(0.0, 1.0, 0.0), friction=0.3, model="coulomb"))
+    assert analysis.coulomb is not None
+    coulomb = replace(analysis.coulomb, value=0.2, uncertainty=1e-4, peak=np.array([0.25, 0.001]))
+    found = greatest_load_summary(Results(replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb))))
+    assert found is not None and "rose to 0.250 ± 0.001 (14.04 ± 0.05 degrees) in limit analysis" in found["words"]  # atan(0.25)
 
 
 def test_a_settlement_has_no_greatest_load() -> None:

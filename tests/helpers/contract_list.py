@@ -35,7 +35,7 @@ def contract() -> dict[str, Any]:
     (commands,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
     fields = [*exchange.CASE_FIELDS, *exchange.solution_fields("G"), *exchange.coulomb_fields("G"), *exchange.PATH_FIELDS]
     fields += [exchange.FIRST_PREDICTION, *exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS]
-    fields += [exchange.SUPPORT_TWISTS, exchange.SWAY, exchange.LONG_RUN_SETTINGS, *exchange.RELEASE_FIELDS]
+    fields += [exchange.SUPPORT_TWISTS, exchange.SWAY, exchange.LONG_RUN_SETTINGS, *exchange.RELEASE_FIELDS, *exchange.PEAK_FIELDS]
     return {
         "verbs": {name: sorted(words(sub)) for name, sub in commands.choices.items()},
         "exit codes": {

@@ -1,0 +1,49 @@
+"""Peaks of pushed walls on the way to their plateaus: the stated uncertainty beside a path with next to no drag.
+
+    python tests/benchmarks/benchmark_peaks.py [--walls N]
+
+Prints one line for each wall whose peak is known, and a summary.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import math
+
+import numpy as np
+from pushed_walls import ALONG, OBLIQUE, peak_without_drag, pushed_wall
+
+from la_core.errors import SceneError
+
+WALLS = 100
+
+
+def main() -> None:
+    """Push the walls along and aslant, and print their peaks."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--walls", type=int, default=WALLS)
+    walls, pushed, shares, lifts, apart = parser.parse_args().walls, 0, [], [], []
+    for seed in range(walls):
+        for live in (ALONG, OBLIQUE):
+            try:
+                coulomb = (analysis := pushed_wall(seed, live)).coulomb
+            except SceneError as error:
+                print(f"{seed:3} {live}: refused, {error}")
+                continue
+            if coulomb is None or math.isnan(coulomb.value):
+                continue
+            pushed += 1
+            if not len(coulomb.peak):
+                continue
+            (peak, uncertainty), true, usual = coulomb.peak, peak_without_drag(analysis), float(coulomb.path_value.max())
+            off = abs(peak - true)
+            shares.append(off / uncertainty)
+            apart.append(off / true)
+            lifts.append(usual / true - 1.0)
+            answer = f"plateau {coulomb.value:.5f}, peak {peak:.5f} ± {uncertainty:.5f}"
+            print(f"{seed:3} {live}: {answer}, without drag {true:.5f}, usual path {usual:.5f}", flush=True)
+    held = int((np.array(shares) <= 1.0).sum())
+    print(f"{len(shares)} peaks of {pushed} pushed walls; {held} hold, at most {max(apart):.2%} off, and usual paths {max(lifts):.2%}")
+
+
+if __name__ == "__main__":
+    main()

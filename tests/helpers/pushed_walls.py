@@ -1,0 +1,44 @@
+"""Walls of random blocks that are pushed sideways, and the peak of their multiplier on a path with next to no drag."""
+
+import itertools
+
+import numpy as np
+import scenes
+
+from la_core.analysis import analyse
+from la_core.analysis.result import LimitAnalysis
+from la_core.coulomb.followed_path import annealed
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.plateau import peak_before
+
+ALONG, OBLIQUE = (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)
+
+
+def pushed_wall(seed: int, live: tuple[float, float, float]) -> LimitAnalysis:
+    """Courses of blocks of random lengths and densities on a fixed base, pushed sideways."""
+    rng = np.random.default_rng(seed)
+    height = rng.uniform(0.2, 1.1)
+    parts = [scenes.box("ground", (-0.2, 0.0, -0.3), (2.2, 0.5, 0.0), "fixed")]
+    for course in range(3):
+        ends = np.concatenate([[0.0], np.linspace(0.5, 1.5, 3) + rng.uniform(-0.2, 0.2, 3), [2.0]])
+        for left, right in itertools.pairwise(ends):
+            low, high = (left, 0.0, course * height), (right, 0.5, (course + 1) * height)
+            parts.append(scenes.box(f"block {len(parts)}", low, high, density=float(rng.uniform(200.0, 5000.0))))
+    return analyse(scenes.build(*parts, friction=float(rng.uniform(0.3, 0.7)), inset=0.001, live=live, model="coulomb"))
+
+
+def peak_without_drag(analysis: LimitAnalysis) -> float:
+    """Peak of a path with a ten-thousandth of the usual viscosity, in steps of a tenth of the usual length."""
+    coulomb = analysis.coulomb
+    assert coulomb is not None
+    joints = ElasticJoints(analysis.assembly, analysis.stiffness)
+    tangent, unit = Tangent(joints), joints.value_in_units(1.0)
+    rest, _ = come_to_rest(joints, tangent, 0.0)
+    assert rest is not None
+    path = QuasiStaticPath(joints, tangent, rest, annealed(joints, 1e-7), 10.0)
+    end = float(coulomb.path_settlement[-1]) / analysis.stiffness.travel
+    assert [point.progress for point in path.advance_to(end)][-1] == end
+    return peak_before(path.curve[1], coulomb.value / unit, 0.01 * coulomb.value / unit) * unit
