@@ -141,6 +141,7 @@ def percent(share: float | None, digits: int = 2) -> str:
     """Return a share in per cent with some significant digits, from 100 % on without decimals, or a dash where it is undefined."""
     if share is None or not math.isfinite(share):
         return DASH
+    share += 0.0  # of -0.0, which has no sign in a text
     text = f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.{digits}g} %"
     return text.replace("-", "−", 1) if share < 0.0 else text
 

@@ -161,17 +161,17 @@ def shipped_campaigns() -> dict[str, Path]:
 def find_campaign(path_or_name: Path) -> Path:
     """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists, or both do."""
     known = shipped_campaigns()
+    name, complete = str(path_or_name), path_or_name.with_name(f"{path_or_name.name}.toml")
+    if name in known:
+        if file := next((path for path in (path_or_name, complete) if path.is_file() and not path.samefile(known[name])), None):
+            hint = f'"{file}" is the file; rename the file to use the shipped campaign'
+            raise SceneError(name, "names both a shipped campaign and a file here", hint=hint)
+        return known[name]
     if path_or_name.suffix == ".toml" or path_or_name.exists():
         return path_or_name
-    name, complete = str(path_or_name), path_or_name.with_name(f"{path_or_name.name}.toml")
-    if name in known and complete.is_file() and not complete.samefile(known[name]):
-        hint = f'"{name}.toml" is the file; rename the file to use the shipped campaign'
-        raise SceneError(name, "names both a shipped campaign and a file here", hint=hint)
-    if name not in known and complete.is_file():
+    if complete.is_file():
         return complete
-    if name not in known:
-        raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
-    return known[name]
+    raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
 
 
 def default_folder(path: Path) -> Path:

@@ -143,7 +143,7 @@ def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: 
     """Return what rounded edges change of a prediction, relative, by a second one at half the inset.
 
     The lever arms of joints that slide may change it by several times as much as the bound. The second half of the inset is
-    taken to change it as the first half does. 0 where there is no such prediction; NaN where the second one fails.
+    taken to change it as the first half does. 0 where there is no such prediction; NaN where the second one is not solved.
     """
     answer = analysis.coulomb
     if not has_history(analysis) or _has_two_predictions(analysis) or answer is None:
@@ -151,7 +151,7 @@ def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: 
     yade = {name: value for name, value in model.scene.yade.items() if name not in TIED_TO_INSET}
     free = replace(model, scene=replace(model.scene, yade=yade))
     second = analyse_once(free.with_inset(0.5 * analysis.assembly.inset), settings, Silent()).coulomb
-    return math.nan if second is None else 2.0 * abs(answer.value - second.value) / scale(analysis)
+    return math.nan if second is None or second.status is not Status.SOLVED else 2.0 * abs(answer.value - second.value) / scale(analysis)
 
 
 def _is_tied_to_inset(scene: Scene) -> bool:

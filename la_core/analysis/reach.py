@@ -40,7 +40,7 @@ TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme
 
 
 def candidate_masks(scene: Scene, assembly: Assembly, may_meet: float) -> tuple[list[np.ndarray], str]:
-    """Return masks (B,) of free blocks to set aside, the largest first, and why to model the whole structure otherwise.
+    """Return masks (B,) of free blocks to set aside in the order to try them, and why to model the whole structure otherwise.
 
     scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: the whole structure's.
     may_meet: distance (m) within which two blocks without a joint may meet.

@@ -41,14 +41,14 @@ def find(scene: str, folder: Path = Path()) -> Path:
     if not scene:
         raise SceneError('""', "names no scene", hint="give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them")
     path = folder / scene
-    if path.suffix == ".toml" or path.is_file():
-        return path
     complete = path.with_name(f"{path.name}.toml") if path.name else path
     if scene in names():
-        if complete.is_file() and not complete.samefile(place(scene)):
-            hint = f'"{scene}.toml" is the file; rename the file to use the shipped scene'
+        if file := next((one for one in (path, complete) if one.is_file() and not one.samefile(place(scene))), None):
+            hint = f'"{file}" is the file; rename the file to use the shipped scene'
             raise SceneError(scene, "names both a shipped scene and a file here", hint=hint)
         return place(scene)
+    if path.suffix == ".toml" or path.is_file():
+        return path
     if complete.is_file():
         return complete
     if path.is_dir():

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from faulty_runs import one_message
 
+from comparison.campaign.definition import find_campaign
 from comparison.cli.commands import main
 from la_core.errors import SceneError
 from la_core.scene import shipped
@@ -25,6 +26,14 @@ def test_a_file_with_the_name_of_a_shipped_scene_is_not_passed_over(here: Path, 
     assert shipped.find("facade.toml") == Path("facade.toml")
     assert shipped.find("two_pads") == shipped.place("two_pads")
     assert main(["scenes"]) == 0
+
+
+def test_a_file_without_ending_that_has_the_name_of_a_shipped_scene_is_not_taken_without_a_word(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "facade").write_text(shipped.place("two_pads").read_text())
+    assert main(["show", "facade"]) == 2
+    one_message(capsys.readouterr().err, 'facade: names both a shipped scene and a file here; "facade" is the file')
 
 
 def test_a_shipped_scene_may_be_named_in_the_folder_of_the_shipped_ones(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,6 +57,13 @@ def test_a_campaign_with_the_name_of_a_shipped_one_is_not_passed_over(here: Path
     (here / "seed_paper.toml").write_text('title = "Mine"\n[[sweep]]\nscene = "two_pads"\n')
     assert main(["campaign", "seed_paper", "--no-yade", "-o", "out"]) == 2
     one_message(capsys.readouterr().err, 'seed_paper: names both a shipped campaign and a file here; "seed_paper.toml" is the file')
+
+
+def test_a_folder_with_the_name_of_a_shipped_campaign_does_not_hide_it(here: Path) -> None:
+    (here / "seed_paper").mkdir()
+    assert find_campaign(Path("seed_paper")).is_file()
+    (here / "other").mkdir()
+    assert find_campaign(Path("other")) == Path("other")  # reading it says that it is a folder
 
 
 def test_the_path_of_a_scene_in_another_folder_may_lack_its_ending(here: Path) -> None:

@@ -90,4 +90,4 @@ def test_a_number_that_is_rounded_up_to_the_next_power_of_ten_is_in_full(value: 
 
 
 def test_a_negative_share_has_the_minus_of_every_other_number() -> None:
-    assert (percent(-0.05), percent(-2.0), percent(0.05), percent(NAN)) == ("−5 %", "−200 %", "5 %", "–")
+    assert (percent(-0.05), percent(-2.0), percent(0.05), percent(-0.0), percent(NAN)) == ("−5 %", "−200 %", "5 %", "0 %", "–")
