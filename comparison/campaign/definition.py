@@ -8,13 +8,23 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import pydantic
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict, field_validator, model_validator
 
 from la_core.errors import SceneError, nearest, printable_name
 from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths, tables_of
 
 MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
+
+
+def _dotted(table: Any) -> Any:
+    """Return a table without tables in it, their keys joined by dots; anything else as it is."""
+    if not isinstance(table, dict):
+        return table
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        flat |= {f"{key}.{inner}": entry for inner, entry in _dotted(value).items()} if isinstance(value, dict) and value else {key: value}
+    return flat
 
 
 class Sweep(Table):
@@ -27,6 +37,12 @@ class Sweep(Table):
     together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = described(
         "tables of keys whose values go together: the first with the first, and so on; equally many of each", default=()
     )
+
+    @field_validator("vary", "together", mode="before")
+    @classmethod
+    def _with_dotted_keys(cls, given: Any) -> Any:
+        """Return tables of ranges with joint.friction = [...], which TOML reads as a table in a table, as "joint.friction" = [...]."""
+        return [_dotted(group) for group in given] if isinstance(given, list) else _dotted(given)
 
     @model_validator(mode="after")
     def _goes_together(self) -> Self:
@@ -69,6 +85,12 @@ class CampaignFile(Table):
     yade: Annotated[bool, Strict()] = described("false runs limit analysis only", default=True)
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = described("scenes with ranges of their keys; at least one")
     labels: dict[str, Name] = described("short names of varied keys, for axes and the names of cases", default_factory=dict)
+
+    @field_validator("labels", mode="before")
+    @classmethod
+    def _with_dotted_keys(cls, given: Any) -> Any:
+        """Return labels with the keys as `Sweep` has them."""
+        return _dotted(given)
 
 
 @dataclass(frozen=True)

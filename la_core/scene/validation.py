@@ -1,5 +1,6 @@
 """Errors of pydantic as sentences with the line, the key, the value, the rule and the next step."""
 
+import json
 import math
 import re
 import types
@@ -111,8 +112,13 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
     if isinstance(value, str):
         rule = rule.replace("entries", "characters")
-    hint = _wanted(table, error["loc"]) if error["type"] == "tuple_type" else _slip(error)
+    hint = (_wanted(table, error["loc"]) or _as_array(value)) if error["type"] == "tuple_type" else _slip(error)
     return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=hint)
+
+
+def _as_array(value: Any) -> str:
+    """The array of one entry that a single value was probably meant to be, as a hint."""
+    return f"write [{json.dumps(value)}]" if isinstance(value, int | float | str) else ""
 
 
 def _slip(error: Any) -> str:
@@ -208,13 +214,13 @@ def _table_at(table: type[pydantic.BaseModel], parents: list[Any]) -> type[pydan
     """The table at the path `parents` below `table`."""
     for step in parents:
         if not isinstance(step, int):
-            table = table_of(_keys(table)[step].annotation)
+            field = _keys(table).get(step)
+            table = (field and table_of(field.annotation)) or pydantic.BaseModel  # a table of free keys has none of its own
     return table
 
 
 def table_of(annotation: Any) -> Any:
-    """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`."""
+    """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`; None without one, as in `dict[str, Any]`."""
     if isinstance(annotation, type) and issubclass(annotation, pydantic.BaseModel):
         return annotation
-    members = (member for member in annotation.__args__ if member is not type(None))
-    return next(table for member in members if (table := table_of(member)))
+    return next((table for member in get_args(annotation) if (table := table_of(member))), None)

@@ -32,6 +32,9 @@ WRONG = {
     "no values": (sweep('vary = { "joint.friction" = [] }'), "joint.friction = []: has too few entries"),
     "no path": (sweep('vary = { "joint friction" = [1.0] }'), '"joint friction": must be a dotted path'),
     "decimal comma": (sweep('vary = { "joint.friction" = [0,3, 0,6] }'), '"joint.friction" takes the value 0 twice; give it once'),
+    "one value": (sweep('vary = { "joint.friction" = 0.3 }'), "sweep[0].vary.joint.friction = 0.3: must be an array; write [0.3]"),
+    "one value, without quotes": (sweep("vary = { joint.friction = 0.3 }"), "vary.joint.friction = 0.3: must be an array; write [0.3]"),
+    "one value together": (sweep('together = [{ "stone.density" = "x" }]'), "stone.density = 'x': must be an array; write [\"x\"]"),
     "decimal comma alone": (sweep('[sweep.set]\n"joint.friction" = 0,3'), "write numbers with a decimal point, 0.3"),
     "given twice": (sweep('set = { "joint.friction" = 1.0 }\nvary = { "joint.friction" = [1.0] }'), '"joint.friction" is given twice'),
     "unequal lengths": (sweep('together = [{ "joint.friction" = [1.0], "joint.inset" = [0.1, 0.2] }]'), "equally many values"),
@@ -104,6 +107,14 @@ def test_cases_are_the_product_in_the_order_of_the_file_the_last_key_fastest(tmp
     scene = found[1].run.scene()
     assert scene.friction == 0.3 and scene.title.endswith(": mu = 0.3, to0 = 0.45")
     assert scene.blocks.vertices[: scene.blocks.vertex_start[1], 0].max() == 0.45
+
+
+def test_keys_may_be_written_with_and_without_quotes(tmp_path: Path) -> None:
+    quoted = 'labels = { "joint.friction" = "mu" }\n' + sweep(
+        'vary = { "joint.friction" = [0.3, 0.6] }\ntogether = [{ "stone.density" = [1.0] }]'
+    )
+    plain = "labels.joint.friction = 'mu'\n" + sweep("vary.joint.friction = [0.3, 0.6]\ntogether = [{ stone.density = [1.0] }]")
+    assert names(plain, tmp_path) == names(quoted, tmp_path) == ["two_pads_mu=0.3_density=1.0", "two_pads_mu=0.6_density=1.0"]
 
 
 def test_the_tables_hold_the_names_of_scenes_and_sweeps_as_they_are_written(tmp_path: Path, plain_figures: None) -> None:
