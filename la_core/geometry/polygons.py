@@ -45,23 +45,55 @@ def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Intersections (N,) of polygons (N,) with polygons (N,), also where they meet in an edge but for round-off.
+    """Intersections (N,) of convex polygons (N,) with convex polygons (N,), also where they meet in an edge but for round-off.
 
-    GEOS may then return one of the two polygons whole. Such a result leaves the bounds of the other one, and is
-    computed again on a grid.
+    There GEOS may return one of the two polygons whole, or points alone where they share a part of an edge. Its answers are therefore
+    held against the areas of the polygons that half-planes cut, which take the place of wrong ones.
     """
     found = np.asarray(shapely.intersection(first, second))
-    for attempt in range(2):
-        size = shapely.length(first) + shapely.length(second)
-        bounds = shapely.bounds(found)
-        low = np.maximum(shapely.bounds(first), shapely.bounds(second))[:, :2] - ROUND_OFF * size[:, None]
-        high = np.minimum(shapely.bounds(first), shapely.bounds(second))[:, 2:] + ROUND_OFF * size[:, None]
-        wrong = np.flatnonzero((bounds[:, :2] < low).any(axis=1) | (bounds[:, 2:] > high).any(axis=1))  # false for an empty one
-        for k in wrong:
-            found[k] = shapely.intersection(first[k], second[k], grid_size=ROUND_OFF * size[k]) if attempt == 0 else shapely.Polygon()
-        if not len(wrong):
-            break
-    return found
+    cut = _cut(first, second)
+    size = shapely.length(first) + shapely.length(second)
+    moved = ROUND_OFF * size * (shapely.length(found) + shapely.length(cut))  # area that round-off of the corners may change
+    is_polygon = shapely.get_type_id(found) == shapely.GeometryType.POLYGON
+    wrong = np.abs(np.where(is_polygon, shapely.area(found), 0.0) - shapely.area(cut)) > moved
+    return np.where(wrong, cut, found)
+
+
+def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Convex polygons (N,) cut by the half-planes of the edges of convex polygons (N,), one edge of all after the other.
+
+    Sutherland and Hodgman, Reentrant polygon clipping (Communications of the ACM 17, 1974).
+    """
+    flat, row, _ = _counterclockwise(first)
+    corners, _, start = _counterclockwise(second)
+    counts = np.diff(start)
+    for k in range(counts.max(initial=0)):
+        has_edge = k < counts[row]
+        tail, head = start[row] + k % np.maximum(counts[row], 1), start[row] + (k + 1) % np.maximum(counts[row], 1)
+        edge, arm = corners[head[has_edge]] - corners[tail[has_edge]], flat[has_edge] - corners[tail[has_edge]]
+        height = np.zeros(len(flat))
+        height[has_edge] = edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]
+        after, inside = _ring_neighbours(row)[1], height >= 0.0
+        crosses = np.flatnonzero(inside != inside[after])
+        share = height[crosses] / (height[crosses] - height[after[crosses]])
+        met = flat[crosses] + share[:, None] * (flat[after[crosses]] - flat[crosses])
+        kept = np.flatnonzero(inside)
+        order = np.argsort(np.concatenate([2 * kept, 2 * crosses + 1]), kind="stable")
+        flat, row = np.concatenate([flat[kept], met])[order], np.concatenate([row[kept], row[crosses]])[order]
+    sizes = np.bincount(row, minlength=len(first))
+    cut = np.full(len(first), shapely.Polygon())
+    some = (sizes >= 3) & (counts > 0)
+    cut[some] = polygons_of(flat[some[row]], sizes[some])
+    return cut
+
+
+def _counterclockwise(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners (Q, 2) of polygons (N,) counterclockwise, each once, the polygon (Q,) of each, and where it starts (N + 1,)."""
+    rings = shapely.get_exterior_ring(polygons)
+    flat, row = shapely.get_coordinates(np.where(shapely.is_ccw(rings), polygons, shapely.reverse(polygons)), return_index=True)
+    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)
+    flat, row = flat[~closing], row[~closing]
+    return flat, row, np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(polygons)))])
 
 
 def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
