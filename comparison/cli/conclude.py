@@ -29,11 +29,12 @@ def conclude(
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        unread, head = (left_out or {}).get(folder, []), chosen_head(folder, comparisons) if keep_head else {}
+        unread, head = (left_out or {}).get(folder, []), _kept_head(folder, comparisons, context) if keep_head else {}
         head |= {name: words for name in HEAD if (words := getattr(context.options, name)) is not None}
         stored.append(stored_report(comparisons, describe(), unread, head))
         if not comparisons:  # the report of earlier results stays where none can be read
             continue
+        again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
         page = write_report(folder, comparisons, describe(), head, unread)
         if not as_json:
             for comparison in comparisons:
@@ -45,12 +46,11 @@ def conclude(
             for comparison in comparisons:
                 if first := comparison.get("first_prediction"):
                     context.tell(f"{comparison['scene']}: {first['sentence']}")
-                for words in lines_below(comparison):
+                for words in lines_below(comparison, comparison["scene"] in again):
                     context.tell(f"{comparison['scene']}: {words}")
             out.print(f"report: {os.path.relpath(page)}", markup=False)
         if getattr(context.options, "pdf", False):
             context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
-        again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
         deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
         codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:
@@ -58,8 +58,20 @@ def conclude(
     return max(codes, key=SEVERITY.index, default=AGREE)
 
 
-def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield what the terminal says under the table of verdicts: notes, the reason or the remarks, then what to do next."""
+def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context) -> dict[str, str]:
+    """Return the words that a report keeps in its head; a warning names those that it loses, because it has scenes beyond theirs."""
+    words, beyond = chosen_head(folder, comparisons)
+    lost = ", ".join(f'{name} "{text}"' for name, text in words.items() if text and getattr(context.options, name) is None)
+    if lost and beyond:
+        context.warn_of(str(folder / "report.html"), f"loses {lost}, which was that of a report without {', '.join(beyond)}; give it again")
+    return {} if beyond else words
+
+
+def lines_below(comparison: dict[str, Any], is_tried_again: bool = False) -> Iterator[str]:
+    """Yield what the terminal says under the table of verdicts: notes, the reason or the remarks, then what to do next.
+
+    is_tried_again: whether a second attempt has already done what comes next.
+    """
     if words := angle_words(comparison):
         yield words
     yield from notes_of(comparison)
@@ -67,7 +79,7 @@ def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):
         yield f"second attempt with finer settings; the first one, {first['scene']}, was {first['verdict']}."
-    if comparison.get("next_step"):
+    if comparison.get("next_step") and not is_tried_again:
         yield f"next: {comparison['next_step']}"
 
 

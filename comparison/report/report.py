@@ -129,18 +129,18 @@ def stored_report(
     return dict(without_undefined(stored))
 
 
-def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> dict[str, str]:
-    """Return the words that an earlier command chose for the head of the report in a folder, where that report had all these scenes.
+def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> tuple[dict[str, str], list[str]]:
+    """Return the words that an earlier command chose for the head of the report in a folder, and the scenes that this report did not have.
 
-    Words that cannot be read are left out.
+    The words belong to a report of these scenes only where it had all of them. Words that cannot be read are left out.
     """
     try:
         stored = json.loads(read_text(folder / "report.json"))
         covered = {comparison["scene"] for comparison in stored["comparisons"]}
         words = {name: visible(stored["head"][name]) for name in HEAD if isinstance(stored["head"].get(name), str)}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return {}  # an older report has no words; a damaged one is written anew
-    return words if covered >= {comparison["scene"] for comparison in comparisons} else {}
+        return {}, []  # an older report has no words; a damaged one is written anew
+    return words, [comparison["scene"] for comparison in comparisons if comparison["scene"] not in covered]
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

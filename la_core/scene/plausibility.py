@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from la_core.exchange import TRAVEL_OVER_INSET
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
+from la_core.scene.schema.drawing import MOST_TOLERANCE
 from la_core.scene.schema.masonry import SIDES
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.text_table import place_text
@@ -56,6 +58,7 @@ def implausible(
         *_of_angles(file),
         *_of_floors(file, blocks),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
+        *_of_thickness(file),
         *_of_sizes(blocks),
         *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
         *_of_edges(blocks, missed),
@@ -124,6 +127,14 @@ def _of_densities(densities: Sequence[float]) -> Iterator[str]:
         yield f"density = {density:g} kg/m3 lies outside {low:g} to {high:g}{unit}."
 
 
+def _of_thickness(file: SceneFile) -> Iterator[str]:
+    """Yield a warning for each drawing whose blocks are thicker than any: its other lengths come from its file, in the unit of the file."""
+    for number, drawing in enumerate(file.drawing):
+        if drawing.thickness > SIZE[1]:
+            metres = f"if it is in mm, write {drawing.thickness / 1e3:g}"
+            yield f"drawing[{number}].thickness = {drawing.thickness:g} m is more than {SIZE[1]:g} m; {metres}."
+
+
 def _of_sizes(blocks: Blocks) -> Iterator[str]:
     extent = blocks.high - blocks.low
     (low, high), where = SIZE, blocks.free
@@ -136,6 +147,8 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
 
 
 def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator[str]:
+    near = MARGIN * missed.gap / 2.0 <= MOST_TOLERANCE  # huge blocks, as of another unit, nearly touch across more
+    missed = replace(missed, pairs=missed.pairs[near], gap=missed.gap[near])
     if not len(missed.gap):
         return
     closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than what has left these gaps

@@ -87,7 +87,9 @@ def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
     assert [scene["scene"] for scene in json.loads((tmp_path / "report.json").read_text())["comparisons"]] == ["two_pads"]
 
 
-def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_same(tmp_path: Path, plain_figures: None) -> None:
+def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_same(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
     def head() -> dict[str, str]:
         return dict(json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["head"])
 
@@ -99,8 +101,12 @@ def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_sa
     assert head() == {"title": "", "author": "C. Wright"}
     assert "North pier" not in (tmp_path / "report.html").read_text(encoding="utf-8")
     assert main(["run", "trilith", "-o", str(tmp_path), "--no-yade", "-q", "--title", "Trilith alone"]) == 0
+    capsys.readouterr()
     assert main(["report", str(tmp_path), "-q"]) == 0
     assert head() == {}, "the earlier report had one of these two scenes"
+    warning = capsys.readouterr().err
+    assert 'loses title "Trilith alone", which was that of a report without two_pads; give it again' in " ".join(warning.split())
+    assert main(["report", str(tmp_path), "-q"]) == 0 and not capsys.readouterr().err, "nothing is left to lose"
     for damaged in ("[]", "[" * 100_000, '{"comparisons": 1, "head": []}'):
         (tmp_path / "report.json").write_text(damaged, encoding="utf-8")
         assert main(["report", str(tmp_path), "-q"]) == 0

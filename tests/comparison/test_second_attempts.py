@@ -10,6 +10,7 @@ import pytest
 from conftest import Silent
 
 import la_core
+from comparison.cli.conclude import lines_below
 from comparison.judge.checks.next_steps import LONGER, SLOWER_RUN
 from comparison.verdict import Check, Verdict, conclusion
 from comparison.workflow import harder
@@ -156,3 +157,9 @@ def test_after_a_second_attempt_no_other_one_of_the_same_settings_is_advised() -
         assert second.endswith("model a smaller part.")
     other = Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step="Look at the scene.")
     assert conclusion([other], None, None, True).next_step == "Look at the scene."
+
+
+def test_what_comes_next_is_not_told_again_where_the_second_attempt_has_done_it() -> None:
+    comparison = {"verdict": "inconclusive", "reason": "The plateau is uncertain.", "next_step": "`crosscheck run --try-harder` does this."}
+    assert list(lines_below(comparison))[-1] == "next: `crosscheck run --try-harder` does this."
+    assert list(lines_below(comparison, is_tried_again=True)) == ["The plateau is uncertain."]

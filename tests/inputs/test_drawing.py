@@ -175,7 +175,17 @@ REFUSED = {
     "no unit": (dxf([polyline(SQUARE, "A")], unit=None), {}, 'does not say its unit; state it: unit = "mm"'),
     "DWG": (b"AC1032 and bytes", {}, "is a DWG file; save it as DXF"),
     "not DXF": (b"hello", {}, "is not a whole DXF file"),
-    "nothing in it": (dxf([]), {}, "holds no closed outline"),
+    "nothing in it": (dxf([]), {}, "holds no closed outline; nothing is drawn in it; make sure that the file is whole"),
+    "lines on two layers": (
+        dxf([drawn.line((0, k), (1, k), "A") for k in (0, 1)] + [drawn.line((k, 0), (k, 1), "B") for k in (0, 1)]),
+        {},
+        "it has 4 lines that enclose nothing; lines enclose blocks together on one layer, and these are on A, B",
+    ),
+    "one layer twice": (
+        dxf([polyline(SQUARE, "A")]),
+        {"ground": ["A"], "support": ["A"]},
+        '"A" is named by both `ground` and `support`; name it once',
+    ),
     "loose lines": (dxf([drawn.line((0, 0), (1, 1), "A")]), {}, "holds no closed outline; it has 1 lines that enclose nothing"),
     "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
     "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself'),
@@ -201,6 +211,13 @@ def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError) as error:
         scene_of(tmp_path, content, **table)
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_thickness_in_millimetres_is_told_by_its_key_and_without_a_tolerance_that_would_be_refused(tmp_path: Path) -> None:
+    squares = [polyline([(x + left, z) for x, z in SQUARE], layer) for left, layer in ((0.0, "A"), (1300.0, "B"))]
+    told = " ".join(scene_of(tmp_path, dxf(squares), thickness=400.0, ground=["A"]).warnings)
+    assert "drawing[0].thickness = 400 m is more than 10 m; if it is in mm, write 0.4." in told
+    assert "tolerance" not in told, "no gap as wide as 0.1 m is an error of a survey"
 
 
 def test_a_vast_circle_has_no_more_chords_than_memory_holds(tmp_path: Path) -> None:

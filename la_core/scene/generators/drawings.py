@@ -149,7 +149,11 @@ def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
             f"{clean.specks} outlines are thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
         )
     unread = ", ".join(f"{count} {kind}" for kind, count in drawn.ignored.items())
-    return f"it has {len(clean.idle)} lines that enclose nothing" + (f"; not read: {unread}" if unread else "")
+    if not (drawn.outlines or drawn.lines or unread):
+        return "nothing is drawn in it; make sure that the file is whole, and save it again"
+    layers = sorted({layer for layer, _ in clean.idle})
+    apart = f"; lines enclose blocks together on one layer, and these are on {', '.join(layers)}" if len(layers) > 1 else ""
+    return f"it has {len(clean.idle)} lines that enclose nothing{apart}" + (f"; not read: {unread}" if unread else "")
 
 
 def _shifted(left_out: tuple[Any, ...], table: Drawing) -> tuple[Any, ...]:

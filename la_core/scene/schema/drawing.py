@@ -47,6 +47,11 @@ class Drawing(Table):
     def _is_drawn(self) -> Self:
         if PurePosixPath(self.file).suffix.lower() not in DRAWING_FORMATS:
             raise ValueError(f"`file` must end in {' or '.join(DRAWING_FORMATS)}")
+        uses: dict[str, str] = {}
+        for key in ("ignore", "openings", "ground", "support", "blocks"):
+            for pattern in getattr(self, key):
+                if (other := uses.setdefault(pattern, key)) != key:
+                    raise ValueError(f'"{pattern}" is named by both `{other}` and `{key}`; name it once')
         return self
 
 
