@@ -108,7 +108,7 @@ class Protocol:
         settings, dt = self.settings, self.settings.time_step
         if settings.wedging > 0.0:
             self._wedge()
-        longest = math.ceil(settings.gravity_time / dt)
+        longest = max(math.ceil(settings.gravity_time / dt), ROWS_AT_REST)  # a shorter stage would have no row
         self._start_time = Omega().time
         self._load(0.0)
         self._advance(longest, max(1, longest // GRAVITY_ROWS))

@@ -103,15 +103,17 @@ def _of_floors(file: SceneFile, blocks: Blocks) -> Iterator[str]:
 
 
 def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
-    """Yield a warning where YADE moves the support, or the fastest block under a live load, so far that spheres slip off their faces."""
-    travel, longest = float(file.yade.get("max_travel", 0.0)), TRAVEL_OVER_INSET * file.joint.inset
-    speed = 1.0
+    """Yield a warning where YADE lifts or moves the support, or the fastest block under a live load, so far that spheres slip off faces."""
+    longest, speed = TRAVEL_OVER_INSET * file.joint.inset, 1.0
     if twists is not None:
         moving = twists[blocks.vertex_block]
         speed = float(np.linalg.norm(moving[:, :3] + np.cross(moving[:, 3:], blocks.vertices), axis=1).max())
-    if travel * speed > longest * (1.0 + ROUND_OFF) and longest > 0.0:
+    for name in ("max_travel", "wedging"):
+        travel = float(file.yade.get(name, 0.0))
+        if not travel * speed > longest * (1.0 + ROUND_OFF) or longest == 0.0:
+            continue
         yield (
-            f"max_travel = {travel:g} moves blocks by {1e3 * travel * speed:.3g} mm in YADE, so that contact spheres slip off their faces. "
+            f"{name} = {travel:g} moves blocks by {1e3 * travel * speed:.3g} mm in YADE, so that contact spheres slip off their faces. "
             f"It should be at most {longest / speed:.3g}: {TRAVEL_OVER_INSET:g} of the inset of {1e3 * file.joint.inset:g} mm."
         )
 

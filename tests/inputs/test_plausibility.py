@@ -68,6 +68,11 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
         ),
         "max_travel = 0.0005 moves blocks by 1",
     ),
+    "a lift beyond the inset": (
+        ("[settlement]", "[yade]\nwedging = 1\n[settlement]"),
+        "wedging = 1 moves blocks by 1e+03 mm in YADE",
+        "at most 0.0008: 0.8 of the inset of 1 mm",
+    ),
     "gravity of the moon": (("-9.81", "-1.62"), "gravity is 1.62 m/s2"),
 }
 WALL_OF_MILLIMETRES = """

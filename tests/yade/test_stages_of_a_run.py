@@ -154,6 +154,12 @@ def test_rest_that_is_broken_counts_from_its_beginning(begun: Any) -> None:
     assert not rows(run, exchange.SETTLEMENT) and run.record.rows[-1].time == pytest.approx(0.2, rel=1e-2)
 
 
+def test_a_time_to_rest_of_less_than_a_step_ends_as_one_that_is_too_short(begun: Any) -> None:
+    run, _ = begun(rests_after=1.0, gravity_time=1e-9)
+    run.run()
+    assert run.status is STATUS.FAILED and "not at rest under gravity after 1e-09 s: unbalanced force" in run.message
+
+
 @pytest.mark.parametrize("wedging", [0.0, 1e-4])
 def test_a_support_covers_its_whole_travel_and_the_lift_that_wedged_the_structure(wedging: float, begun: Any) -> None:
     run, yade = begun(wedging=wedging)

@@ -26,6 +26,10 @@ LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: 
 SMALLER_PART = "Model the part near the support alone: the least tolerance is a share of the weight of the free blocks."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
+COME_TO_REST = (
+    "Give YADE more time to come to rest ([yade] gravity_time), or leave out keys of the scene's [yade] table that delay rest, such as "
+    "gravity_ramp."
+)
 CHANGE_SETTING = "Change this key of the scene's [yade] table, or leave it out, so that it is derived; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
@@ -58,6 +62,11 @@ def without_value(analysis: LimitAnalysis) -> str:
     effects = analysis.scene.effects
     left_out = MODEL_SLIDING if effects.friction in ("associated", "none-slides") else MODEL_STRAIN if effects.elasticity == "none" else ""
     return f"{OTHER_DIRECTION}. {left_out}".rstrip()
+
+
+def after_a_failure(message: str) -> str:
+    """Return what to do where YADE ran and said that it failed."""
+    return COME_TO_REST if message.startswith("not at rest") else REPAIR_YADE
 
 
 def refuses_setting(reason: str) -> bool:

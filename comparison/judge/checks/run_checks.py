@@ -31,7 +31,7 @@ def check_run(results: Results) -> list[Check]:
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in CARRIED_OUT:
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
-        step = next_steps.MORE_TIME if run.status == "timeout" else next_steps.REPAIR_YADE
+        step = next_steps.MORE_TIME if run.status == "timeout" else next_steps.after_a_failure(run.result.message)
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
     if bound.status is Status.INFEASIBLE:
         return [_check_standing(results)]
