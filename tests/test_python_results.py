@@ -130,6 +130,11 @@ def test_a_record_of_yade_cannot_be_changed(same: Callable[[Any], Any]) -> None:
             array[...] = 0.0
 
 
+def test_the_folder_of_a_whole_run_is_told_apart_from_that_of_one_scene(any_result: comparison.Result) -> None:
+    with pytest.raises(ExchangeError, match="holds no results of `crosscheck run`; name the folder of one of its scenes: two_pads"):
+        comparison.read(any_result.folder.parent)
+
+
 def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> None:
     of_another = tmp_path / "letter.1.part"
     of_another.touch()

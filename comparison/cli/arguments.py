@@ -178,7 +178,7 @@ def _add_compare(add: AddVerb) -> None:
 
 def _add_report(add: AddVerb) -> None:
     report = add("report", "write the report again from stored results")
-    folder_help = "folder of `crosscheck run`, or of one of its scenes, or of `crosscheck campaign`"
+    folder_help = "folder of `crosscheck run` (that of one of its scenes stands for the whole run), or of `crosscheck campaign`"
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help=folder_help)
     report.add_argument("--pdf", action="store_true", help="also print the report to report.pdf (A4); needs Chromium or Chrome")
     report.add_argument("--long", action="store_true", help=LONG_HELP)
