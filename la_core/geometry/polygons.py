@@ -51,7 +51,7 @@ def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     held against the areas of the polygons that half-planes cut, which take the place of wrong ones.
     """
     found = np.asarray(shapely.intersection(first, second))
-    cut = _cut(first, second)
+    cut = _cut(shapely.convex_hull(first), shapely.convex_hull(second))  # corners of bent faces may lie within them by round-off
     size = shapely.length(first) + shapely.length(second)
     moved = ROUND_OFF * size * (shapely.length(found) + shapely.length(cut))  # area that round-off of the corners may change
     is_polygon = shapely.get_type_id(found) == shapely.GeometryType.POLYGON
@@ -66,23 +66,26 @@ def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """
     flat, row, _ = _counterclockwise(first)
     corners, _, start = _counterclockwise(second)
-    counts = np.diff(start)
+    counts, done = np.diff(start), []
     for k in range(counts.max(initial=0)):
-        has_edge = k < counts[row]
-        tail, head = start[row] + k % np.maximum(counts[row], 1), start[row] + (k + 1) % np.maximum(counts[row], 1)
-        edge, arm = corners[head[has_edge]] - corners[tail[has_edge]], flat[has_edge] - corners[tail[has_edge]]
-        height = np.zeros(len(flat))
-        height[has_edge] = edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]
+        left = k < counts[row]  # those whose second polygon has no further edge are cut
+        done.append((flat[~left], row[~left]))
+        flat, row = flat[left], row[left]
+        tail, head = corners[start[row] + k], corners[start[row] + (k + 1) % counts[row]]
+        edge, arm = head - tail, flat - tail
+        height = edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]
         after, inside = _ring_neighbours(row)[1], height >= 0.0
-        crosses = np.flatnonzero(inside != inside[after])
+        crosses, kept = np.flatnonzero(inside != inside[after]), np.flatnonzero(inside)
         share = height[crosses] / (height[crosses] - height[after[crosses]])
         met = flat[crosses] + share[:, None] * (flat[after[crosses]] - flat[crosses])
-        kept = np.flatnonzero(inside)
         order = np.argsort(np.concatenate([2 * kept, 2 * crosses + 1]), kind="stable")
         flat, row = np.concatenate([flat[kept], met])[order], np.concatenate([row[kept], row[crosses]])[order]
+    flat, row = (np.concatenate(some) for some in zip(*done, (flat, row), strict=True))
+    order = np.argsort(row, kind="stable")
+    flat, row = flat[order], row[order]
     sizes = np.bincount(row, minlength=len(first))
     cut = np.full(len(first), shapely.Polygon())
-    some = (sizes >= 3) & (counts > 0)
+    some = (sizes >= 3) & (counts >= 3)
     cut[some] = polygons_of(flat[some[row]], sizes[some])
     return cut
 
@@ -111,6 +114,7 @@ def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarra
     chord, arm = flat[after] - flat[before], flat - flat[before]
     height = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
     straight = height <= tolerance[owner] * np.linalg.norm(chord, axis=1)
+    straight &= (np.bincount(owner[~straight], minlength=len(polygons)) >= 3)[owner]  # all corners of a circle of thousands look straight
     return flat[~straight], owner[~straight]
 
 

@@ -14,6 +14,9 @@ from la_core.geometry.polygons import plane_axes
 ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
 STEEP = 0.1  # sine of the angle to a face from which on an edge leads away from it, however short it is
 PLANE_CUTS = 1e-7  # of the size: distance of a back from an affine image of the front
+# Shares of the flatness that are tried, until each part of the surface belongs to one face: narrow facets of a curve lie within the
+# flatness of several. Volume between bent faces and the hull, over flatness and surface.
+FLATTER, BENT = (1.0, 1e-2, 1e-4), 0.4
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
@@ -147,6 +150,17 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
         hull = scipy.spatial.ConvexHull((points - centre) / size)
     except scipy.spatial.QhullError as error:
         raise ValueError("the polyhedron has no volume") from error
+    for share in FLATTER:
+        faces = _faces(hull, share * flatness)
+        if abs(_volume(hull.points, faces) - hull.volume) <= BENT * share * flatness * hull.area:
+            used = sorted({vertex for face in faces for vertex in face})
+            renumber = {old: new for new, old in enumerate(used)}
+            return Shape(points[used], tuple(tuple(renumber[v] for v in face) for face in faces))
+    raise ValueError("the polyhedron has facets that are too narrow to tell apart; draw its curves with fewer corners")
+
+
+def _faces(hull: scipy.spatial.ConvexHull, flatness: float) -> list[tuple[int, ...]]:
+    """Loops of points that lie on one plane of a hull."""
     edges = hull.points[hull.simplices[:, 1:]] - hull.points[hull.simplices[:, :1]]
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face gives its plane best
@@ -154,11 +168,18 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
         plane = hull.equations[remaining[0]]
         corners = _corners_on(plane, hull.points, hull.vertices, flatness)
         faces.append(_ordered(hull.points, corners, plane[:3]))
-        members = set(corners.tolist())
+        members = {*corners.tolist(), *hull.simplices[remaining[0]].tolist()}
         remaining = [k for k in remaining if not members.issuperset(hull.simplices[k].tolist())]
-    used = sorted({vertex for face in faces for vertex in face})
-    renumber = {old: new for new, old in enumerate(used)}
-    return Shape(points[used], tuple(tuple(renumber[v] for v in face) for face in faces))
+    return [face for face in faces if face]
+
+
+def _volume(points: np.ndarray, faces: list[tuple[int, ...]]) -> float:
+    """Volume between plane faces: of the pyramids over them."""
+    volume = 0.0
+    for face in faces:
+        arms = points[list(face[1:])] - points[face[0]]
+        volume += float(points[face[0]] @ np.cross(arms[:-1], arms[1:]).sum(axis=0)) / 6.0
+    return volume
 
 
 def _corners_on(plane: np.ndarray, points: np.ndarray, vertices: np.ndarray, flatness: float) -> np.ndarray:
@@ -176,7 +197,12 @@ def _corners_on(plane: np.ndarray, points: np.ndarray, vertices: np.ndarray, fla
 
 
 def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tuple[int, ...]:
-    """Corners of a face counter-clockwise about its outward normal."""
+    """Corners of a face counter-clockwise about its outward normal, without those within it; none where they lie on one line."""
+    flat = (points[corners] - points[corners].mean(axis=0)) @ np.concatenate(plane_axes(normal[None])).T
+    try:
+        corners = corners[np.sort(scipy.spatial.ConvexHull(flat).vertices)]
+    except (scipy.spatial.QhullError, ValueError):  # ValueError: of no corner
+        return ()
     arms = points[corners] - points[corners].mean(axis=0)
     across = np.cross(normal, arms[0])
     angle = np.arctan2(arms @ across, arms @ np.cross(across, normal))

@@ -9,6 +9,8 @@ from la_core.analysis import analyse
 from la_core.geometry import overlap_of
 from la_core.limit import Drive
 
+KNOWN = (3, 14, 1)  # the version of GEOS that loses some
+
 
 def flush_pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Convex polygons, and triangles with one edge on the line of an edge of theirs, on either side of it."""
@@ -34,7 +36,7 @@ def test_flush_polygons_overlap_as_on_a_grid(turned: bool) -> None:
         first, second = second, shapely.reverse(first)
     found, alone = overlap_of(first, second), shapely.intersection(first, second)
     lost = np.flatnonzero(np.abs(shapely.area(found) - shapely.area(alone)) > 1e-6)
-    assert len(lost) >= 20
+    assert len(lost) >= 20 or shapely.geos_version > KNOWN  # a newer GEOS may lose none
     on_grid = np.array([shapely.intersection(first[k], second[k], grid_size=1e-10).area for k in lost])
     assert np.abs(shapely.area(found[lost]) - on_grid).max() < 1e-8
     some = np.arange(0, len(first), 20)
@@ -48,6 +50,12 @@ def test_polygons_that_do_not_overlap_have_no_overlap() -> None:
         [shapely.box(2.0, 0.0, 3.0, 1.0), shapely.box(1.0, 0.0, 2.0, 1.0), shapely.box(1.0, 1.0, 2.0, 2.0), shapely.Polygon()]
     )
     assert shapely.area(overlap_of(np.full(4, square), others)).tolist() == [0.0, 0.0, 0.0, 0.0]
+    flat = np.array([shapely.Polygon([(0.5, 0.5)] * 4), shapely.Polygon([(0.0, 0.0), (1.0, 1.0), (0.5, 0.5)])])  # a point and a line
+    assert (
+        shapely.area(overlap_of(np.full(2, square), flat)).tolist()
+        == shapely.area(overlap_of(flat, np.full(2, square))).tolist()
+        == [0.0, 0.0]
+    )
     assert len(overlap_of(np.zeros(0, dtype=object), np.zeros(0, dtype=object))) == 0
 
 
