@@ -48,8 +48,8 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
     for kind, count in _out_of_reach(document, auditor).items():
         drawn.ignored |= {kind: count} if count else {}
     try:
-        for entity, layer, colour in _entities(document.modelspace(), document, "0", "white", 0, itertools.count(1)):
-            _add(drawn, entity, (layer, colour), metres, sagitta)
+        for entity, layer, colour, motion in _entities(document.modelspace(), document, "0", "white", None, 0, itertools.count(1)):
+            _add(drawn, entity, (layer, colour), motion, metres, sagitta)
     except ValueError:
         raise
     except Exception as error:
@@ -68,11 +68,12 @@ def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
 
 
 def _entities(
-    entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int, numbers: Iterator[int]
-) -> Iterator[tuple[Any, str, str]]:
-    """Every entity with its layer and colour, those of inserted blocks in place; layer 0 of a block is the layer of its insert.
+    entities: Iterable[Any], document: Any, layer: str, colour: str, motion: Any, depth: int, numbers: Iterator[int]
+) -> Iterator[tuple[Any, str, str, Any]]:
+    """Every entity with its layer, its colour, and the matrix that puts those of inserted blocks in place, None for none.
 
-    None stands for an entity that the drawing hides. `numbers` counts entities and copies: copies of an empty block yield none.
+    Layer 0 of a block is the layer of its insert. None stands for an entity that the drawing hides. `numbers` counts entities and copies:
+    copies of an empty block yield none. Matrices are multiplied here: ezdxf's own copies of a turned block in a stretched one are wrong.
     """
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
@@ -81,15 +82,17 @@ def _entities(
         own = str(entity.dxf.get("layer", "0"))
         where = layer if own == "0" and depth else own
         if _is_hidden(entity, document, where):
-            yield None, where, ""
+            yield None, where, "", None
             continue
         drawn_in = _colour(entity, document, where, colour)
         if entity.dxftype() != "INSERT":
-            yield entity, where, drawn_in
+            yield entity, where, drawn_in, motion
             continue
         for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
             _refuse_too_many(next(numbers))
-            yield from _entities(insert.virtual_entities(), document, where, drawn_in, depth + 1, numbers)
+            own_motion = insert.matrix44()
+            whole = own_motion if motion is None else own_motion * motion  # row vectors: the inner one comes first
+            yield from _entities(insert.block() or (), document, where, drawn_in, whole, depth + 1, numbers)
 
 
 def _refuse_too_many(number: int) -> None:
@@ -97,7 +100,7 @@ def _refuse_too_many(number: int) -> None:
         raise ValueError(f"has more than {MOST_ENTITIES} entities, copies by inserts among them; delete those that are no blocks")
 
 
-def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitta: float) -> None:
+def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: float, sagitta: float) -> None:
     from ezdxf import path  # noqa: PLC0415
 
     kind = HIDDEN if entity is None else entity.dxftype()
@@ -106,7 +109,7 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitt
         drawn.ignore(kind)
         return
     try:
-        curve = path.make_path(entity)
+        curve = path.make_path(entity) if motion is None else path.make_path(entity).transform(motion)
         guides = np.array([(point.x, point.y) for point in curve.control_vertices()], dtype=float).reshape(-1, 2)
         size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
         finest = max(sagitta / scale, FINEST * size)  # a circle around the whole world has no more chords than memory holds

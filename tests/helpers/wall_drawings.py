@@ -43,9 +43,18 @@ def lines(points: Points, layer: str) -> str:
     return "".join(line(start, end, layer) for start, end in zip(points, [*points[1:], points[0]], strict=True))
 
 
-def insert(name: str, at: Sequence[float], layer: str, columns: int = 1, spacing: float = 0.0) -> str:
-    """An INSERT, repeated along x."""
+def insert(
+    name: str,
+    at: Sequence[float],
+    layer: str,
+    columns: int = 1,
+    spacing: float = 0.0,
+    scale: Sequence[float] = (1.0, 1.0),
+    turn: float = 0.0,
+) -> str:
+    """An INSERT, repeated along x; scale: along its own x and y, turn: degrees."""
     many = [(70, columns), (44, spacing)] if columns > 1 else []
+    many += [(41, scale[0]), (42, scale[1]), (50, turn)] if (*scale, turn) != (1.0, 1.0, 0.0) else []
     return rows(*begun("INSERT", layer), (100, "AcDbBlockReference"), (2, name), (10, at[0]), (20, at[1]), *many)
 
 

@@ -213,6 +213,18 @@ def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
     assert words in str(error.value) and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(("turn", "corners"), [(90.0, (0.6, 0.5)), (0.0, (1.0, 0.3))])
+def test_a_turned_block_in_a_stretched_one_keeps_its_corners(turn: float, corners: tuple[float, float], tmp_path: Path) -> None:
+    """A stone of 0.5 x 0.3 m is turned first, and then stretched along x by 2: it was stretched along its own x, and 1 m high."""
+    stone = polyline([(0, 0), (500, 0), (500, 300), (0, 300)], "0")
+    blocks = {"STONE": stone, "UPRIGHT": insert("STONE", (300 if turn else 0, 0), "0", turn=turn)}
+    drawn = [polyline([(-500, -100), (1500, -100), (1500, 0), (-500, 0)], "GROUND"), insert("UPRIGHT", (0, 0), "A", scale=(2.0, 1.0))]
+    scene = scene_of(tmp_path, dxf(drawn, blocks=blocks), ground=["GROUND"])
+    (free,) = np.flatnonzero(scene.blocks.free)
+    assert scene.blocks.low[free, ::2] == pytest.approx([0.0, 0.0], abs=1e-9)
+    assert scene.blocks.high[free, ::2] == pytest.approx(corners)
+
+
 def test_a_thickness_in_millimetres_is_told_by_its_key_and_without_a_tolerance_that_would_be_refused(tmp_path: Path) -> None:
     squares = [polyline([(x + left, z) for x, z in SQUARE], layer) for left, layer in ((0.0, "A"), (1300.0, "B"))]
     told = " ".join(scene_of(tmp_path, dxf(squares), thickness=400.0, ground=["A"]).warnings)
