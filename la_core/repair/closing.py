@@ -11,7 +11,7 @@ from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners, polyhedron
 from la_core.repair.facing import Facing, facing_faces
 from la_core.repair.outline_motion import MovedOutline, moved_outline, onto_planes
-from la_core.repair.planes import common_planes
+from la_core.repair.planes import planes_closing_most
 from la_core.repair.repairs import Repairs, Unclosed
 from la_core.text_table import place_text
 
@@ -51,14 +51,14 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     SceneError
         A corner would move too far, or nothing would be left of a block.
     """
-    middle = np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
-    origin = FAR * np.round(middle / FAR)  # round-off grows with the distance, and surveys lie in the grids of countries
+    # Round-off grows with the distance, and surveys lie in the grids of countries.
+    origin = FAR * np.round(np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0) / FAR)
     blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), [_shifted(shape, -origin) for shape in shapes])
     parts, owner = blocks.parts, blocks.part_block
     reach = joints + 2.0 * tolerance
     pairs = facing_faces(parts, owner, reach[owner])
     limit = (FIT * tolerance + joints / 2.0)[owner[parts.face_block]]
-    normal, offset, closed = common_planes(parts, pairs, _twins(parts, owner), limit)
+    normal, offset, closed = planes_closing_most(parts, owner, pairs, _twins(parts, owner), limit)
     most = MOST_MOVE * (tolerance + joints.max() / 2.0)
     whole = _moved_outlines(shapes, origin, parts, owner, normal, offset, most)
     single = ~np.isin(owner, list(whole))  # parts that move each by itself
@@ -284,8 +284,7 @@ def _unclosed(
     """Pairs that stay apart although their joint would be longer than the tolerance, the widest first."""
     widest = pairs.widest
     blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
-    extent = np.zeros(len(pairs))
-    ring = owners(pairs.start)
+    extent, ring = np.zeros(len(pairs)), owners(pairs.start)
     centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
     np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
     open_pairs = np.flatnonzero(~closed & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))

@@ -34,7 +34,23 @@ class Group:
     limits: np.ndarray
 
 
-def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def planes_closing_most(
+    parts: Blocks, owner: np.ndarray, pairs: Facing, twins: np.ndarray, limit: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Common planes as of `common_planes`, with or without the places of cuts within blocks, whichever closes more pairs.
+
+    A cut that lies in line with a joint holds the plane where it was drawn. It may also keep the faces of a thin part in place.
+    owner: (P,), the block of each part; the other parameters are those of `common_planes`.
+    """
+    block = owner[parts.face_block]
+    inner = block[pairs.face_a] == block[pairs.face_b]
+    tried = [common_planes(parts, pairs, twins, limit, idle) for idle in ((None, inner) if inner.any() else (None,))]
+    return max(tried, key=lambda planes: int(planes[2].sum()))
+
+
+def common_planes(
+    parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.ndarray, idle: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Gather faces on common planes.
 
     Parameters
@@ -47,6 +63,8 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
         Pairs of faces of one block that lie on one plane and must stay there.
     limit : (F,) array
         Largest distance of the corners of each face from the common plane, m.
+    idle : (L,) array of bool, optional
+        Pairs that follow the others on their plane: their own place does not count.
 
     Returns
     -------
@@ -83,12 +101,14 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
     for face, other in twins.tolist():
         join(face, other, nothing, opposite=False)
     closed = np.zeros(len(pairs), dtype=bool)
+    is_idle = np.zeros(len(pairs), dtype=bool) if idle is None else idle
     left = np.lexsort((-pairs.area, np.floor(pairs.angle / SAME_ANGLE)))
     for _ in range(ROUNDS):
         for k in left.tolist():
             points = pairs.middle[pairs.start[k] : pairs.start[k + 1]]
             share = pairs.area[k] / len(points)
             sums = (float(pairs.area[k]), share * points.sum(axis=0), share * points.T @ points)
+            sums = nothing if is_idle[k] else sums
             closed[k] = join(int(pairs.face_a[k]), int(pairs.face_b[k]), sums, opposite=True)
         if not closed[left].any() or closed.all():
             break

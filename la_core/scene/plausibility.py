@@ -61,6 +61,7 @@ def implausible(
         *_of_thickness(file),
         *_of_sizes(blocks),
         *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
+        *_of_unclosed(repairs),
         *_of_edges(blocks, missed),
         *_of_gravity(gravity),
         *_of_travel(blocks, file, twists),
@@ -178,6 +179,16 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
         what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({', '.join(spots)})"
     hint = "where it should hold, cut the edge to a face of some millimetres"
     yield f"{what}: that is no joint and holds nothing in either method; {hint}."
+
+
+def _of_unclosed(repairs: Repairs | None) -> Iterator[str]:
+    """Yield a warning on the places that the tolerance of the geometry, or open joints of a drawing, leave open."""
+    if repairs is None or not repairs.unclosed:
+        return
+    some = sorted(repairs.unclosed, key=lambda one: -abs(one.gap))
+    named = ", ".join(f'"{one.blocks[0]}" and "{one.blocks[1]}" across {1e3 * abs(one.gap):.2g} mm' for one in some[:NAMED])
+    count = "1 place is" if len(some) == 1 else f"{len(some)} places are"
+    yield f"{count} not closed ({named}{', ...' if len(some) > NAMED else ''}), so a joint may be missing; `crosscheck show` marks them."
 
 
 def _rounded_up(length: float) -> float:

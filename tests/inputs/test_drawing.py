@@ -11,6 +11,7 @@ import wall_drawings as drawn
 from wall_drawings import WALL, dxf, insert, lines, polyline
 
 from la_core import drawing
+from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
@@ -223,6 +224,22 @@ def test_a_turned_block_in_a_stretched_one_keeps_its_corners(turn: float, corner
     (free,) = np.flatnonzero(scene.blocks.free)
     assert scene.blocks.low[free, ::2] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert scene.blocks.high[free, ::2] == pytest.approx(corners)
+
+
+ELL = [(505, 5), (1000, 5), (1000, 800), (5, 800), (5, 405), (505, 405)]
+
+
+@pytest.mark.parametrize("joints", [0.011, 0.012, 0.015])
+def test_an_open_joint_in_line_with_the_cut_of_a_stone_is_closed(joints: float, tmp_path: Path) -> None:
+    """A stone in the notch of an L with joints of 10 mm. The cut that divides the L held its faces where they were drawn."""
+    stones = [polyline([(-200, -300), (1500, -300), (1500, -5), (-200, -5)], "G"), polyline([(5, 5), (495, 5), (495, 395), (5, 395)], "A")]
+    scene = scene_of(tmp_path, dxf([*stones, polyline(ELL, "B")]), ground=["G"], joints=joints)
+    assert scene.repairs is not None and not scene.repairs.unclosed and not scene.warnings
+    (ground,), free = np.flatnonzero(~scene.blocks.free), np.flatnonzero(scene.blocks.free)
+    interfaces = structural_model(scene).assembly.interfaces
+    pairs = {frozenset(pair) for pair in zip(interfaces.block_a.tolist(), interfaces.block_b.tolist(), strict=True)}
+    assert pairs == {frozenset(pair) for pair in ((ground, free[0]), (ground, free[1]), (free[0], free[1]))}
+    assert len(interfaces) == 4  # the stone lies beside and below the L
 
 
 def test_a_thickness_in_millimetres_is_told_by_its_key_and_without_a_tolerance_that_would_be_refused(tmp_path: Path) -> None:

@@ -134,6 +134,7 @@ def test_what_cannot_lie_on_one_plane_is_named_with_its_corner() -> None:
     assert set(unclosed.blocks) == {"settling", "a"}
     assert unclosed.gap == pytest.approx(0.0099, rel=0.01)
     assert unclosed.vertex[0] == pytest.approx(5.0, abs=0.01)
+    assert '1 place is not closed ("settling" and "a" across 9.9 mm), so a joint may be missing' in " ".join(scene.warnings)
 
 
 def test_bodies_in_space_close_too() -> None:
