@@ -11,6 +11,8 @@ UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados o
 STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
+ROUND_OFF = 1e-9  # of the largest coordinate, or m: lines this close to an edge lie on it
+SHORTEST = 4.0  # times round-off: a shorter stretch of a line is none
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
 
 
@@ -53,19 +55,54 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     face = _with_flanks(blocks, face, np.flatnonzero((rise > STEEPEST) & (rise <= UPWARD)), chosen)
     plan = _uncovered(blocks, face, _in_plan(blocks, face))
     if line is None:
-        parts, share = plan, shapely.area(plan)
-        whole = shapely.area(shapely.union_all(parts))
+        share, whole = shapely.area(plan), shapely.area(shapely.union_all(plan, grid_size=_grid(plan)))
+        kept = share > 0.0
+        face, share = face[kept], share[kept]
+        middle = shapely.get_coordinates(shapely.centroid(plan[kept])).reshape(-1, 2)
     else:
-        parts = np.atleast_1d(shapely.intersection(plan, shapely.LineString(line)))
-        share = shapely.length(parts)
-        whole = shapely.length(shapely.union_all(parts))
-    kept = share > 0.0
-    face, parts, share = face[kept], parts[kept], share[kept]
-    middle = shapely.get_coordinates(shapely.centroid(parts)).reshape(-1, 2)
+        row, low, high, whole = _stretches(plan, blocks.face_block[face], np.array(line))
+        face, share = face[row], high - low
+        start, end = np.array(line)
+        middle = start + 0.5 * (low + high)[:, None] * (end - start) / np.linalg.norm(end - start)
     normal, offset = blocks.face_normal[face], blocks.face_offset[face]
     height = (offset - np.sum(normal[:, :2] * middle, axis=1)) / normal[:, 2]
     overlaps = bool(share.sum() > (1.0 + COUNTED_TWICE) * float(whole))
     return Carried(blocks.face_block[face], np.column_stack([middle, height]), share, overlaps)
+
+
+def _grid(plan: np.ndarray) -> float:
+    """Length (m) that is round-off beside polygons: GEOS is sure of what it computes on such a grid."""
+    return ROUND_OFF * max(1.0, float(np.abs(shapely.total_bounds(plan)).max())) if len(plan) else ROUND_OFF
+
+
+def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Stretches of a line (2, 2) over polygons (N,) of blocks (N,), and the length of the line over any of them, m.
+
+    Returns the polygon of each stretch and the distances of both its ends from the start of the line. A line along the edge of a polygon
+    lies over it. A stretch over two faces of one block, as along a ridge, counts on one of them.
+    """
+    start, length = line[0], float(np.linalg.norm(line[1] - line[0]))
+    reach = _grid(plan)
+    over = shapely.intersection(shapely.buffer(plan, reach, join_style="mitre"), shapely.LineString(line))
+    pieces, row = shapely.get_parts(np.atleast_1d(over), return_index=True)
+    kept = shapely.length(pieces) > SHORTEST * reach  # less is a corner that the line touches
+    pieces, row = pieces[kept], row[kept]
+    ends = np.stack([shapely.get_coordinates(shapely.get_point(pieces, end)).reshape(-1, 2) for end in (0, -1)])
+    along = np.sort((ends - start) @ (line[1] - start) / length, axis=0)
+    order = np.lexsort((along[0], block[row]))
+    row, (low, high) = row[order], along[:, order]
+    low = np.maximum(low, _reached(low, high, block[row], length))
+    left = high - low > SHORTEST * reach
+    row, low, high = row[left], low[left], high[left]
+    every = np.argsort(low, kind="stable")
+    reached = _reached(low[every], high[every], np.zeros(len(low), dtype=int), length)
+    return row, low, high, float(np.maximum(high[every] - np.maximum(low[every], reached), 0.0).sum())
+
+
+def _reached(low: np.ndarray, high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
+    """How far the stretches before each one (N,) of its group reach; groups, and stretches by their start, are in order."""
+    shift = 2.0 * length * np.unique(group, return_inverse=True)[1]
+    return np.concatenate([[-np.inf], np.maximum.accumulate(high + shift)[:-1]])[: len(low)] - shift
 
 
 def _without_joints(blocks: Blocks, face: np.ndarray) -> np.ndarray:
@@ -124,12 +161,12 @@ def _in_plan(blocks: Blocks, face: np.ndarray) -> np.ndarray:
 
 def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray) -> np.ndarray:
     """The polygons (N,) without what lies under a higher face of the same block: only compound blocks have such parts."""
-    uncovered, owner = plan.copy(), blocks.face_block[face]
+    uncovered, owner, grid = plan.copy(), blocks.face_block[face], _grid(plan)
     for block in np.flatnonzero(blocks.is_compound):
         own = np.flatnonzero(owner == block)
         top = [blocks.vertices[blocks.face_vertex[blocks.face_start[k] : blocks.face_start[k + 1]], 2].max() for k in face[own]]
         above = shapely.Polygon()
         for k in own[np.argsort(top, kind="stable")[::-1]]:
-            uncovered[k] = shapely.difference(plan[k], above)
-            above = shapely.union(above, plan[k])
+            uncovered[k] = shapely.difference(plan[k], above, grid_size=grid)
+            above = shapely.union(above, plan[k], grid_size=grid)
     return uncovered
