@@ -23,7 +23,10 @@ def _dotted(table: Any) -> Any:
         return table
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        flat |= {f"{key}.{inner}": entry for inner, entry in _dotted(value).items()} if isinstance(value, dict) and value else {key: value}
+        own = {f"{key}.{inner}": entry for inner, entry in _dotted(value).items()} if isinstance(value, dict) and value else {key: value}
+        if twice := flat.keys() & own.keys():
+            raise ValueError(f'"{min(twice)}" is given twice, with quotes and without')
+        flat |= own
     return flat
 
 

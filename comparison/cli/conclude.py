@@ -63,7 +63,9 @@ def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context
     words, beyond = chosen_head(folder, comparisons)
     lost = ", ".join(f'{name} "{text}"' for name, text in words.items() if text and getattr(context.options, name) is None)
     if lost and beyond:
-        context.warn_of(str(folder / "report.html"), f"loses {lost}, which was that of a report without {', '.join(beyond)}; give it again")
+        context.warn_of(
+            str(folder / "report.html"), f"loses {lost}: given for a report without {', '.join(beyond)}; give it again to keep it"
+        )
     return {} if beyond else words
 
 

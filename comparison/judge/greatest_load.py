@@ -16,8 +16,9 @@ from la_core.exchange import UNCERTAIN
 from la_core.limit import Status
 from la_core.scene import tilt_angles
 
-# Of the multiplier. Of 36 random structures the drag of the usual paths made up to 4 %, and inertia in YADE up to 8 %, which vanished
-# with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is told only beside one of limit analysis.
+# Of the multiplier. Of 36 small structures the drag of the usual paths made up to 4 %, and inertia in YADE up to 8 %, which vanished
+# with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is told only beside one of limit analysis. On large
+# structures, whose peak is unknown, drag may make more: the sentence says so.
 LEAST_MORE = 0.05
 LEAST_MULTIPLIER = 0.01  # an excess over less than this is relative to this
 
@@ -86,6 +87,7 @@ def _words(results: Results, told: dict[str, _Way]) -> str:
         stands += "; inertia has a part in the value of YADE" if "yade" in told else ""
         stands += ". A shock may make it fail at any load from the plateau on."
     else:
-        stands = "Under a load that only grows the structure may stand up to there, but drag and inertia have a part in it, and a shock "
+        part = "drag and inertia have" if "yade" in told else "the drag of the path has"
+        stands = f"Under a load that only grows the structure may stand up to there, but {part} a part in it, and a shock "
         stands += "may make the structure fail at any load from the plateau on."
     return f"On the way to this plateau the multiplier rose to {values}. {stands} The plateau is the load that keeps the blocks moving."

@@ -152,7 +152,8 @@ def _followed_from_rest(
     if joints.live and not followed[-1].smooth_error and _rises_above(solution, unit):
         send, end = progress.senders_of_more([first for first, _ in PEAK_PATHS]), float(solution.path_settlement[-1]) / stiffness.travel
         peak, more = peak_on_the_way(joints, tangent, rest, solution.value / unit, end, settings, send)
-        solution = replace(solution, peak=peak * unit)
+        is_above = len(peak) > 0 and peak[0] - peak[1] > (solution.value + solution.uncertainty) / unit
+        solution = replace(solution, peak=peak * unit) if is_above else solution
         iterations += more
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 

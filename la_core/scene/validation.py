@@ -118,7 +118,8 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
 
 def _as_array(value: Any) -> str:
     """The array of one entry that a single value was probably meant to be, as a hint."""
-    return f"write [{json.dumps(value)}]" if isinstance(value, int | float | str) else ""
+    is_single = isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+    return f"write [{json.dumps(value)}]" if is_single else ""
 
 
 def _slip(error: Any) -> str:

@@ -35,14 +35,14 @@ def main() -> None:
             if not len(coulomb.peak):
                 continue
             (peak, uncertainty), true, usual = coulomb.peak, peak_without_drag(analysis), float(coulomb.path_value.max())
-            off = abs(peak - true)
-            shares.append(off / uncertainty)
-            apart.append(off / true)
+            shares.append(abs(peak - true) / uncertainty)
+            apart.append(abs(peak - true) / true)
             lifts.append(usual / true - 1.0)
             answer = f"plateau {coulomb.value:.5f}, peak {peak:.5f} ± {uncertainty:.5f}"
             print(f"{seed:3} {live}: {answer}, without drag {true:.5f}, usual path {usual:.5f}", flush=True)
     held = int((np.array(shares) <= 1.0).sum())
-    print(f"{len(shares)} peaks of {pushed} pushed walls; {held} hold, at most {max(apart):.2%} off, and usual paths {max(lifts):.2%}")
+    off, lift = max(apart, default=0.0), max(lifts, default=0.0)
+    print(f"{len(shares)} peaks of {pushed} pushed walls; {held} hold, at most {off:.2%} off, and usual paths {lift:.2%}")
 
 
 if __name__ == "__main__":

@@ -34,6 +34,11 @@ WRONG = {
     "decimal comma": (sweep('vary = { "joint.friction" = [0,3, 0,6] }'), '"joint.friction" takes the value 0 twice; give it once'),
     "one value": (sweep('vary = { "joint.friction" = 0.3 }'), "sweep[0].vary.joint.friction = 0.3: must be an array; write [0.3]"),
     "one value, without quotes": (sweep("vary = { joint.friction = 0.3 }"), "vary.joint.friction = 0.3: must be an array; write [0.3]"),
+    "one value that is none": (sweep('vary = { "joint.friction" = nan }'), "vary.joint.friction = nan: must be an array"),
+    "both with quotes and without": (
+        sweep('vary = { joint.friction = [0.5], "joint.friction" = [0.6] }'),
+        '"joint.friction" is given twice, with quotes and without',
+    ),
     "one value together": (sweep('together = [{ "stone.density" = "x" }]'), "stone.density = 'x': must be an array; write [\"x\"]"),
     "decimal comma alone": (sweep('[sweep.set]\n"joint.friction" = 0,3'), "write numbers with a decimal point, 0.3"),
     "given twice": (sweep('set = { "joint.friction" = 1.0 }\nvary = { "joint.friction" = [1.0] }'), '"joint.friction" is given twice'),

@@ -105,7 +105,7 @@ def test_a_report_keeps_the_chosen_words_of_its_head_while_its_scenes_are_the_sa
     assert main(["report", str(tmp_path), "-q"]) == 0
     assert head() == {}, "the earlier report had one of these two scenes"
     warning = capsys.readouterr().err
-    assert 'loses title "Trilith alone", which was that of a report without two_pads; give it again' in " ".join(warning.split())
+    assert 'loses title "Trilith alone": given for a report without two_pads; give it again to keep it' in " ".join(warning.split())
     assert main(["report", str(tmp_path), "-q"]) == 0 and not capsys.readouterr().err, "nothing is left to lose"
     for damaged in ("[]", "[" * 100_000, '{"comparisons": 1, "head": []}'):
         (tmp_path / "report.json").write_text(damaged, encoding="utf-8")

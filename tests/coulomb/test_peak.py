@@ -28,6 +28,11 @@ def test_a_load_that_rises_to_its_plateau_has_no_peak() -> None:
     assert coulomb is not None and len(coulomb.path_value) and not len(coulomb.peak)
 
 
+def test_a_curve_that_drag_alone_lifts_above_its_plateau_has_no_peak() -> None:
+    coulomb = pushed_wall(50, OBLIQUE).coulomb
+    assert coulomb is not None and coulomb.path_value.max() > 1.02 * coulomb.value and not len(coulomb.peak)
+
+
 def test_a_settlement_has_no_peak_and_no_place_for_one_in_its_file(tmp_path: Path) -> None:
     """The reaction of a settlement falls from rest: its greatest value is that at rest."""
     analysis = analyse(scenes.shipped("wall_third"))
