@@ -198,15 +198,20 @@ def _corners_on(plane: np.ndarray, points: np.ndarray, vertices: np.ndarray, fla
 
 def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tuple[int, ...]:
     """Corners of a face counter-clockwise about its outward normal, without those within it; none where they lie on one line."""
-    flat = (points[corners] - points[corners].mean(axis=0)) @ np.concatenate(plane_axes(normal[None])).T
-    try:
-        corners = corners[np.sort(scipy.spatial.ConvexHull(flat).vertices)]
-    except (scipy.spatial.QhullError, ValueError):  # ValueError: of no corner
+    if len(corners) < 3:
         return ()
     arms = points[corners] - points[corners].mean(axis=0)
     across = np.cross(normal, arms[0])
-    angle = np.arctan2(arms @ across, arms @ np.cross(across, normal))
-    return tuple(int(corner) for corner in corners[np.argsort(angle)])
+    flat = np.stack([arms @ across, arms @ np.cross(across, normal)], axis=1)
+    order = np.argsort(np.arctan2(*flat.T))
+    edge = np.roll(flat[order], -1, axis=0) - flat[order]
+    after = np.roll(edge, -1, axis=0)
+    if np.any(edge[:, 0] * after[:, 1] >= edge[:, 1] * after[:, 0]):  # counted from the second axis, a convex ring turns to the right
+        try:
+            order = order[np.isin(order, scipy.spatial.ConvexHull(flat).vertices)]
+        except scipy.spatial.QhullError:
+            return ()
+    return tuple(corners[order].tolist())
 
 
 def refuse_slivers(names: Sequence[str], shapes: Sequence[Shape]) -> None:
