@@ -17,6 +17,7 @@ PLANE_CUTS = 1e-7  # of the size: distance of a back from an affine image of the
 # Shares of the flatness that are tried, until each part of the surface belongs to one face: narrow facets of a curve lie within the
 # flatness of several. Volume between bent faces and the hull, over flatness and surface.
 FLATTER, BENT = (1.0, 1e-2, 1e-4), 0.4
+SAME_VOLUME = 1e-6  # of the volume: a difference that changes no weight
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
@@ -140,7 +141,8 @@ def _on_both(part: np.ndarray, flat: np.ndarray, sides: Sequence[np.ndarray], ma
 def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATNESS) -> Shape:
     """Convex hull of vertices (n, 3) in m, coplanar triangles merged into faces.
 
-    flatness: largest distance of a face's corner from its plane, over the size of the hull. Raises ValueError when the hull has no volume.
+    flatness: largest distance of a face's corner from its plane, over the size of the hull; less where facets are narrow. Raises ValueError
+    when the hull has no volume, or facets that are too narrow.
     """
     points = np.array(vertices, dtype=float)
     centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
@@ -152,7 +154,7 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
         raise ValueError("the polyhedron has no volume") from error
     for share in FLATTER:
         faces = _faces(hull, share * flatness)
-        if abs(_volume(hull.points, faces) - hull.volume) <= BENT * share * flatness * hull.area:
+        if abs(_volume(hull.points, faces) - hull.volume) <= max(BENT * share * flatness * hull.area, SAME_VOLUME * hull.volume):
             used = sorted({vertex for face in faces for vertex in face})
             renumber = {old: new for new, old in enumerate(used)}
             return Shape(points[used], tuple(tuple(renumber[v] for v in face) for face in faces))
