@@ -161,8 +161,8 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
     raise ValueError("the polyhedron has facets that are too narrow to tell apart; draw its curves with fewer corners")
 
 
-def _faces(hull: scipy.spatial.ConvexHull, flatness: float) -> list[tuple[int, ...]]:
-    """Loops of points that lie on one plane of a hull."""
+def _faces(hull: "scipy.spatial.ConvexHull", flatness: float) -> list[tuple[int, ...]]:
+    """Loops of points that lie on one plane of a hull, whose type is in quotes: scipy.spatial is loaded only where a body needs it."""
     edges = hull.points[hull.simplices[:, 1:]] - hull.points[hull.simplices[:, :1]]
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face gives its plane best
