@@ -11,7 +11,7 @@ import pydantic
 from pydantic import Field, Strict, field_validator, model_validator
 
 from la_core.errors import SceneError, nearest, printable_name
-from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths, tables_of
+from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths, shipped, tables_of
 
 MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
@@ -188,9 +188,7 @@ def find_campaign(path_or_name: Path) -> Path:
     known = shipped_campaigns()
     name, complete = str(path_or_name), path_or_name.with_name(f"{path_or_name.name}.toml")
     if name in known:
-        if file := next((path for path in (path_or_name, complete) if path.is_file() and not path.samefile(known[name])), None):
-            hint = f'"{file}" is the file; rename the file to use the shipped campaign'
-            raise SceneError(name, "names both a shipped campaign and a file here", hint=hint)
+        shipped.refuse_two(name, known[name], (path_or_name, complete), "campaign")
         return known[name]
     if path_or_name.suffix == ".toml" or path_or_name.exists():
         return path_or_name

@@ -8,7 +8,7 @@ from la_core.geometry.faces import face_corners, face_pairs, face_polygons, oppo
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, without_slivers
-from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of
+from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of, ring_corners
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, divided_loft, loft, polyhedron, prism
 
 __all__ = [
@@ -44,6 +44,7 @@ __all__ = [
     "polygons_of",
     "polyhedron",
     "prism",
+    "ring_corners",
     "shapes",
     "without_slivers",
     "without_straight_corners",

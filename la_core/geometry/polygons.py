@@ -44,6 +44,13 @@ def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return np.asarray(shapely.from_ragged_array(shapely.GeometryType.POLYGON, closed, (rings, np.arange(len(rings)))))
 
 
+def ring_corners(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (Q, 2) of polygons (N,), each once, and the polygon (Q,) of each."""
+    flat, row = shapely.get_coordinates(polygons, return_index=True)
+    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)  # shapely repeats the first corner at the end
+    return flat[~closing], row[~closing]
+
+
 def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Intersections (N,) of convex polygons (N,) with convex polygons (N,), also where they meet in an edge but for round-off.
 
@@ -91,11 +98,9 @@ def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _counterclockwise(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners (Q, 2) of polygons (N,) counterclockwise, each once, the polygon (Q,) of each, and where it starts (N + 1,)."""
-    rings = shapely.get_exterior_ring(polygons)
-    flat, row = shapely.get_coordinates(np.where(shapely.is_ccw(rings), polygons, shapely.reverse(polygons)), return_index=True)
-    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)
-    flat, row = flat[~closing], row[~closing]
+    """Corners (Q, 2) of polygons (N,) counterclockwise, the polygon (Q,) of each, and where it starts (N + 1,)."""
+    turned = shapely.is_ccw(shapely.get_exterior_ring(polygons))
+    flat, row = ring_corners(np.where(turned, polygons, shapely.reverse(polygons)))
     return flat, row, np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(polygons)))])
 
 
@@ -104,9 +109,7 @@ def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarra
 
     Repeated vertices, and vertices on a straight edge, are dropped; `tolerance` (N,) is a distance in m.
     """
-    flat, owner = shapely.get_coordinates(polygons, return_index=True)
-    closing = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
-    flat, owner = flat[~closing], owner[~closing]
+    flat, owner = ring_corners(polygons)
     before, _ = _ring_neighbours(owner)
     doubled = np.linalg.norm(flat - flat[before], axis=1) <= tolerance[owner]
     flat, owner = flat[~doubled], owner[~doubled]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, face_pairs, face_polygons, near_pairs, next_corners, overlap_of, owners, plane_axes
+from la_core.geometry import Blocks, face_pairs, face_polygons, near_pairs, next_corners, overlap_of, owners, plane_axes, ring_corners
 
 WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
 TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
@@ -144,9 +144,7 @@ def _overlaps(
     overlap = overlap_of(polygons, shapely.buffer(others, grown, join_style="mitre") if np.any(grown) else others)
     is_polygon = shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON
     found = np.flatnonzero(is_polygon & (shapely.area(overlap) > LEAST_OVERLAP * shapely.area(polygons)))
-    flat, row = shapely.get_coordinates(overlap[found], return_index=True)
-    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)
-    flat, row = flat[~closing], row[~closing]
+    flat, row = ring_corners(overlap[found])
     first, second = plane_axes(parts.face_normal[face_a[found]])
     origin = parts.vertices[parts.face_vertex[parts.face_start[face_a[found]]]]
     return found, origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row], row

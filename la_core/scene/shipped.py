@@ -1,5 +1,6 @@
 """The scenes that are part of the program, and commented ones from which users start their own."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,9 +44,7 @@ def find(scene: str, folder: Path = Path()) -> Path:
     path = folder / scene
     complete = path.with_name(f"{path.name}.toml") if path.name else path
     if scene in names():
-        if file := next((one for one in (path, complete) if one.is_file() and not one.samefile(place(scene))), None):
-            hint = f'"{file}" is the file; rename the file to use the shipped scene'
-            raise SceneError(scene, "names both a shipped scene and a file here", hint=hint)
+        refuse_two(scene, place(scene), (path, complete), "scene")
         return place(scene)
     if path.suffix == ".toml" or path.is_file():
         return path
@@ -56,6 +55,13 @@ def find(scene: str, folder: Path = Path()) -> Path:
     guess = nearest(scene, names(), "scenes")
     hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
     raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
+
+
+def refuse_two(name: str, shipped: Path, here: Iterable[Path], kind: str) -> None:
+    """Raise SceneError where one of some paths is a file other than the shipped one of this name; kind: scene or campaign."""
+    if file := next((path for path in here if path.is_file() and not path.samefile(shipped)), None):
+        hint = f'"{file}" is the file; rename the file to use the shipped {kind}'
+        raise SceneError(name, f"names both a shipped {kind} and a file here", hint=hint)
 
 
 def load(scene: Scene | Path | str) -> Scene:

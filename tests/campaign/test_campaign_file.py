@@ -34,7 +34,7 @@ WRONG = {
     "decimal comma": (sweep('vary = { "joint.friction" = [0,3, 0,6] }'), '"joint.friction" takes the value 0 twice; give it once'),
     "one value": (sweep('vary = { "joint.friction" = 0.3 }'), "sweep[0].vary.joint.friction = 0.3: must be an array; write [0.3]"),
     "one value, without quotes": (sweep("vary = { joint.friction = 0.3 }"), "vary.joint.friction = 0.3: must be an array; write [0.3]"),
-    "one value that is none": (sweep('vary = { "joint.friction" = nan }'), "vary.joint.friction = nan: must be an array"),
+    "one value that is not a number": (sweep('vary = { "joint.friction" = nan }'), "vary.joint.friction = nan: must be an array"),
     "both with quotes and without": (
         sweep('vary = { joint.friction = [0.5], "joint.friction" = [0.6] }'),
         '"joint.friction" is given twice, with quotes and without',

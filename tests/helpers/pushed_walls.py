@@ -1,18 +1,21 @@
 """Walls of random blocks that are pushed sideways, and the peak of their multiplier on a path with next to no drag."""
 
 import itertools
+import time
 
 import numpy as np
 import scenes
 
 from la_core.analysis import analyse
 from la_core.analysis.result import LimitAnalysis
-from la_core.coulomb.followed_path import annealed
+from la_core.coulomb.followed_path import PredictionSettings, annealed
 from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import peak_before
+from la_core.coulomb.sharp_path import PEAK_PATHS, peak_on_the_way
 
 ALONG, OBLIQUE = (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)
 
@@ -32,13 +35,25 @@ def pushed_wall(seed: int, live: tuple[float, float, float]) -> LimitAnalysis:
 
 def peak_without_drag(analysis: LimitAnalysis) -> float:
     """Peak of a path with a ten-thousandth of the usual viscosity, in steps of a tenth of the usual length."""
+    joints, tangent, rest, level, end = _at_rest(analysis)
+    path = QuasiStaticPath(joints, tangent, rest, annealed(joints, 1e-7), 10.0)
+    assert [point.progress for point in path.advance_to(end)][-1] == end
+    return peak_before(path.curve[1], level, 0.01 * level) * joints.value_in_units(1.0)
+
+
+def seconds_of_peak(analysis: LimitAnalysis) -> float:
+    """Time in which both paths to the peak of an analysis are followed again, s."""
+    start = time.perf_counter()
+    peak_on_the_way(*_at_rest(analysis), PredictionSettings(), [lambda *point: None] * len(PEAK_PATHS))
+    return time.perf_counter() - start
+
+
+def _at_rest(analysis: LimitAnalysis) -> tuple[ElasticJoints, Tangent, State, float, float]:
+    """Joints, tangent and state at rest; the plateau, scaled, and the progress at the end of the prediction's path."""
     coulomb = analysis.coulomb
     assert coulomb is not None
     joints = ElasticJoints(analysis.assembly, analysis.stiffness)
-    tangent, unit = Tangent(joints), joints.value_in_units(1.0)
+    tangent = Tangent(joints)
     rest, _ = come_to_rest(joints, tangent, 0.0)
     assert rest is not None
-    path = QuasiStaticPath(joints, tangent, rest, annealed(joints, 1e-7), 10.0)
-    end = float(coulomb.path_settlement[-1]) / analysis.stiffness.travel
-    assert [point.progress for point in path.advance_to(end)][-1] == end
-    return peak_before(path.curve[1], coulomb.value / unit, 0.01 * coulomb.value / unit) * unit
+    return joints, tangent, rest, coulomb.value / joints.value_in_units(1.0), float(coulomb.path_settlement[-1]) / analysis.stiffness.travel

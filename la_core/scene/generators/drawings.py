@@ -15,12 +15,11 @@ from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
-from la_core.scene.schema.drawing import Drawing
+from la_core.scene.schema.drawing import LISTS, Drawing
 from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 from la_core.text_table import place_text
 
 LAYER, COLOUR = "layer:", "colour:"
-LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
 IN_OPENINGS = 0.8  # of its area: an outline with more of it in openings is no block, but a pane or a frame
 TOLD, REFUSED = 0.1, 0.5  # of an opening's area: blocks that stay whole cover so much of it
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers

@@ -84,8 +84,7 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
     try:
         shape = polyhedron(vertices.tolist())
     except ValueError as error:
-        narrow = "its facets are too narrow to tell apart; draw its curves with fewer corners"
-        raise ValueError(f"is degenerate: {'it has no volume' if 'no volume' in str(error) else narrow}") from error
+        raise ValueError(f"is degenerate: it {str(error).removeprefix('the polyhedron ')}") from error
     size = float(np.ptp(vertices, axis=0).max())
     try:
         deepest = _deepest_dent(vertices, triangles, faces, tolerance)

@@ -12,7 +12,7 @@ STEEPEST = 1e-3  # the same of the flank of a block that has no other open top f
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
 ROUND_OFF = 1e-9  # of the largest coordinate, or m: lines this close to an edge lie on it
-SHORTEST = 4.0  # times round-off: a shorter stretch of a line is none
+SHORTEST = 4.0  # times round-off: a shorter stretch of a line does not count
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
 
 
@@ -91,18 +91,21 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray) -> tuple[n
     along = np.sort((ends - start) @ (line[1] - start) / length, axis=0)
     order = np.lexsort((along[0], block[row]))
     row, (low, high) = row[order], along[:, order]
-    low = np.maximum(low, _reached(low, high, block[row], length))
+    low = np.maximum(low, _reached(high, block[row], length))
     left = high - low > SHORTEST * reach
     row, low, high = row[left], low[left], high[left]
     every = np.argsort(low, kind="stable")
-    reached = _reached(low[every], high[every], np.zeros(len(low), dtype=int), length)
+    reached = _reached(high[every], np.zeros(len(low), dtype=int), length)
     return row, low, high, float(np.maximum(high[every] - np.maximum(low[every], reached), 0.0).sum())
 
 
-def _reached(low: np.ndarray, high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
-    """How far the stretches before each one (N,) of its group reach; groups, and stretches by their start, are in order."""
+def _reached(high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
+    """Farthest end of the stretches before each one (N,) in its group, m; negative for the first one of a group.
+
+    high: ends of the stretches, at most `length`, m; the stretches are in the order of their groups (N,), and of their starts.
+    """
     shift = 2.0 * length * np.unique(group, return_inverse=True)[1]
-    return np.concatenate([[-np.inf], np.maximum.accumulate(high + shift)[:-1]])[: len(low)] - shift
+    return np.concatenate([[-np.inf], np.maximum.accumulate(high + shift)[:-1]])[: len(high)] - shift
 
 
 def _without_joints(blocks: Blocks, face: np.ndarray) -> np.ndarray:

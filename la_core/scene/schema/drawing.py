@@ -9,6 +9,7 @@ from la_core.drawing import DRAWING_FORMATS
 from la_core.scene.schema.mesh import Pattern, within_the_scene_s_folder
 from la_core.scene.schema.types import Name, NotNegative, Pair, Positive, Table, described
 
+LISTS = ("ignore", "openings", "ground", "support", "blocks")  # of layers; the first that names one counts
 MOST_TOLERANCE = 0.1  # m: more is no error of a survey
 
 
@@ -48,7 +49,7 @@ class Drawing(Table):
         if PurePosixPath(self.file).suffix.lower() not in DRAWING_FORMATS:
             raise ValueError(f"`file` must end in {' or '.join(DRAWING_FORMATS)}")
         uses: dict[str, str] = {}
-        for key in ("ignore", "openings", "ground", "support", "blocks"):
+        for key in LISTS:
             for pattern in getattr(self, key):
                 if (other := uses.setdefault(pattern, key)) != key:
                     raise ValueError(f'"{pattern}" is named by both `{other}` and `{key}`; name it once')
