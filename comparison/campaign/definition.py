@@ -35,7 +35,10 @@ class Sweep(Table):
 
     scene: Name = described("name of a shipped scene, or a path relative to the campaign file")
     name: Name | None = described("name of the sweep and its cases, in place of the scene's", default=None)
-    set: dict[str, Any] = described("fixed values in place of the scene's own, by key", default_factory=dict)
+    set: dict[str, Any] = described(
+        'fixed values in place of the scene\'s own, by key; a table replaces the whole table, so one key needs quotes: "joint.friction"',
+        default_factory=dict,
+    )
     vary: dict[str, Values] = described("lists of values by key; every value is combined with every other", default_factory=dict)
     together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = described(
         "tables of keys whose values go together: the first with the first, and so on; equally many of each", default=()

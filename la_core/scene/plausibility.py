@@ -24,6 +24,7 @@ UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be lev
 MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
 ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
 ROUND_OFF = 1e-9  # of a length
+LOOSE = 0.25  # of an expected value: with a larger tolerance, wrong answers meet it, too
 NAMED = 3  # blocks named in one warning
 
 
@@ -67,6 +68,7 @@ def implausible(
         *_of_travel(blocks, file, twists),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
+        *_of_expected(file),
     )
 
 
@@ -237,3 +239,16 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
         )
     elif rises.any() and np.ptp(twists[supports], axis=0).any():  # one rigid body that turns may rise at one end
         yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted, while the support sinks as a whole."
+
+
+def _of_expected(file: SceneFile) -> Iterator[str]:
+    """Yield a warning for a tolerance that is large beside the value it is for."""
+    if file.expected is None:
+        return
+    tolerance = file.expected.tolerance
+    values = {name: value for name, value in file.expected if name not in ("tolerance", "kind") and value}
+    for name, value in values.items():
+        if tolerance > LOOSE * abs(value):
+            share = f"{100.0 * tolerance / abs(value):.3g} % of {name} = {value:g}"
+            yield f"expected.tolerance = {tolerance:g} is {share}, so a wrong answer may meet it; it is in the unit of the value."
+            return
