@@ -10,6 +10,7 @@ import scenes
 from judged_runs import case_of
 from runs import perfect_run, with_answers
 
+import la_core
 from comparison.judge.checks import friction_state, mechanisms, next_steps, run_checks, sections, tolerances
 from comparison.judge.checks.answer import check_answer, check_expected
 from comparison.judge.checks.run_checks import check_run
@@ -46,6 +47,22 @@ def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysi
     assert overall(check_run(Results(analysis, perfect_run(analysis, status="no plateau"))))[0] is Verdict.INCONCLUSIVE
     for status in ("timeout", "failed"):
         assert overall(check_run(Results(analysis, perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "Let YADE go"),
+        ({"yade.speed": 1.0}, "The scene's [yade] table sets speed: leave it out first"),
+        ({"yade.speed": 1.0, "yade.fall_speed": 1.0}, "sets speed, fall_speed: leave them out first"),
+        ({"yade.threads": 2, "yade.wedging": 1e-6}, "Let YADE go"),
+        ({"yade.speed": 1.0, "effort": "high"}, "Let YADE go"),
+    ],
+)
+def test_settings_of_the_scene_are_left_out_first_where_yade_did_not_settle(changes: dict[str, Any], words: str) -> None:
+    analysis = analyse(la_core.variant("two_pads", changes))
+    (check,) = (one for one in check_run(Results(analysis, perfect_run(analysis, status="no plateau"))) if one.name == "plateau")
+    assert words in check.next_step and next_steps.LONGER in check.next_step
 
 
 def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:

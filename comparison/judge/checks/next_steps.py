@@ -1,6 +1,8 @@
 """What a user can do next about a check that did not agree, in words that several checks share."""
 
-from comparison.verdict import HARDER
+from dataclasses import replace
+
+from comparison.verdict import HARDER, Check, Verdict
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Status
 from la_core.scene import Scene
@@ -51,6 +53,23 @@ LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
 )
+
+OWN_SETTINGS = "The scene's [yade] table sets {names}: leave {them} out first, so that YADE derives {them}. If that does not help:"
+OF_THE_RUN = (SLOWER_RUN, MORE_TIME, GIVE_THRUST, LONGER)  # steps for a run that did not come to a steady state in balance
+# Settings without which the structure falls, that do not change the motion, or whose effect the message itself tells.
+NEEDED = ("wedging", "time_limit", "threads", "plateau_uncertainty", "stop_uncertainty")
+
+
+def own_settings_first(check: Check, scene: Scene) -> Check:
+    """Return an inconclusive check with the advice to leave out the settings of the scene, where they may be why YADE did not settle.
+
+    After a second attempt with finer settings the scene holds settings of that attempt, so nothing is advised.
+    """
+    names = [name for name in scene.yade if name not in NEEDED]
+    if check.verdict is not Verdict.INCONCLUSIVE or check.next_step not in OF_THE_RUN or not names or scene.effort == "high":
+        return check
+    lead = OWN_SETTINGS.format(names=", ".join(names), them="it" if len(names) == 1 else "them")
+    return replace(check, next_step=f"{lead} {check.next_step}")
 
 
 def without_value(analysis: LimitAnalysis) -> str:

@@ -27,6 +27,10 @@ SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only r
 
 def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
+    return [next_steps.own_settings_first(check, results.scene) for check in _checks_of(results)]
+
+
+def _checks_of(results: Results) -> list[Check]:
     scene, analysis, run = results.scene, results.analysis, results.recorded
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in CARRIED_OUT:
