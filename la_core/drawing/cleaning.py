@@ -7,11 +7,12 @@ import numpy as np
 import scipy
 import shapely
 
+from la_core.drawing.curves import Curves
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched, within
 from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
 from la_core.text_table import place_text
 
-SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
+SNAP = 1e-4  # m: least error of coordinates of lines that are meant to meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
 MOST_PAIRS = 1_000_000  # of outlines that lie upon each other: 50,000 blocks side by side touch each other in a quarter of it
 AT_A_TIME = 200  # outlines whose pairs are counted, so that they need little memory
@@ -80,7 +81,8 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     ValueError
         An outline crosses itself, or outlines lie upon each other in more than MOST_PAIRS pairs, or lines cross too often.
     """
-    found = _found(drawn, max(SNAP, tolerance))
+    curves = Curves(drawn.curves, drawn.sagitta)
+    found = _found(drawn, max(SNAP, tolerance), curves)
     outlines, idle = found.outlines, tuple((place[0], line) for place, lines in found.idle.items() for line in lines)
     open_ones = tuple(one for layer, line in (*idle, *found.again) for one in all_but_closed([line], layer))
     loose = len(idle) + len(found.again)
@@ -104,7 +106,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     kept = np.flatnonzero(~speck & ~double & ~contour)
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
-    rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), drawn.sagitta)
+    rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), curves)
     if tolerance > 0.0:  # chords through corners of neighbours may have left dents within it
         rings = [
             shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
@@ -139,7 +141,7 @@ class _Found:
     again: list[tuple[str, np.ndarray]]
 
 
-def _found(drawn: Drawn, snap: float) -> _Found:
+def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
     found = _Found(list(drawn.outlines), {}, [], [], [])
     for (layer, colour), of_layer in drawn.lines.items():
@@ -147,7 +149,7 @@ def _found(drawn: Drawn, snap: float) -> _Found:
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
         again = retraced(every, [found.outlines[k].points for k in here], 2.0 * snap)
         if again.any():  # edges of a stone that is drawn by lines run along its neighbours, too
-            stones = of_own_lines(every, snap, drawn.sagitta, [outline.points for outline in found.outlines])
+            stones = of_own_lines(every, snap, curves, [outline.points for outline in found.outlines])
             found.outlines += [Outline(stone, layer, colour) for stone in stones]
             again &= ~(own := retraced(every, stones, 2.0 * snap))
             every, again = [line for line, is_own in zip(every, own, strict=True) if not is_own], again[~own]
@@ -155,26 +157,26 @@ def _found(drawn: Drawn, snap: float) -> _Found:
         lines = [line for line, is_again in zip(every, again, strict=True) if not is_again]
         if not lines:
             continue
-        take_part = touched([found.outlines[k].points for k in here], lines, snap + drawn.sagitta)
+        take_part = touched([found.outlines[k].points for k in here], lines, snap + curves.sagitta)
         rings = [here[k] for k in np.flatnonzero(take_part)]
-        faces, idle, around = enclosed(lines, snap, drawn.sagitta, [found.outlines[k].points for k in rings])
+        faces, idle, around = enclosed(lines, snap, curves, [found.outlines[k].points for k in rings])
         replaced = set(rings)
         found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
         found.outlines += [Outline(face, layer, colour) for face in faces]
         found.around += [(layer, points) for points in around]
         found.idle[layer, colour] = [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
-    return _with_lines_of_other_layers(found, snap, drawn.sagitta)
+    return _with_lines_of_other_layers(found, snap, curves)
 
 
-def _with_lines_of_other_layers(found: _Found, snap: float, sagitta: float) -> _Found:
+def _with_lines_of_other_layers(found: _Found, snap: float, curves: Curves) -> _Found:
     """Divide outlines by lines that bound nothing on their own layer: head joints and bed joints often have a layer each."""
     lines = [(place, line) for place, some in found.idle.items() for line in some]
-    which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap + sagitta)
+    which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap + curves.sagitta)
     used: set[int] = set()
     outlines: list[Outline] = []
     for k, outline in enumerate(found.outlines):
         across = which[whose == k]
-        parts = divided(outline.points, [lines[j][1] for j in across], snap, sagitta) if len(across) else [outline.points]
+        parts = divided(outline.points, [lines[j][1] for j in across], snap, curves) if len(across) else [outline.points]
         used |= set(across.tolist()) if len(parts) > 1 else set()
         outlines += [Outline(part, *outline.place) for part in parts]
     idle: dict[tuple[str, str], list[np.ndarray]] = {}

@@ -22,6 +22,7 @@ COLOURS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta"
 BY_BLOCK, BY_LAYER = 0, 256
 CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_ENTITIES = 500_000
+SPLINE_FRAME = 16  # flag of the vertices of a polyline that only guide its curve
 DEEPEST = 20  # inserts within inserts
 LEAST_CHORDS = 2  # of a curve
 LARGEST = 1e12  # units of the file: extent of one entity
@@ -109,18 +110,36 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
         drawn.ignore(kind)
         return
     try:
+        if kind == "POLYLINE":  # the frame of a smoothed polyline is not shown
+            entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
         curve = path.make_path(entity) if motion is None else path.make_path(entity).transform(motion)
         guides = np.array([(point.x, point.y) for point in curve.control_vertices()], dtype=float).reshape(-1, 2)
         size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
         finest = max(sagitta / scale, FINEST * size)  # a circle around the whole world has no more chords than memory holds
         corners = curve.flattening(finest, LEAST_CHORDS) if size <= LARGEST else ()  # NaN is not
         points = np.array([(point.x, point.y) for point in corners], dtype=float).reshape(-1, 2)
+        curves = _curves(curve, finest) if curve.has_curves and size <= LARGEST else []
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"holds a {kind} that cannot be read: {_words(error)}") from error
     if not size <= LARGEST:
         raise ValueError(f"holds a {kind} larger than {LARGEST:g} units, or with a coordinate that is not a number; delete it")
     closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
     drawn.add(scale * points, closed, *place)
+    drawn.curves += [scale * points for points in curves]
+
+
+def _curves(curve: Any, finest: float) -> list[np.ndarray]:
+    """The chords (n, 2) of each curve of a path, without its straight parts."""
+    from ezdxf.path import Command, Path  # noqa: PLC0415
+
+    found, start = [], curve.start
+    for command in curve.commands():
+        if command.type in (Command.CURVE3_TO, Command.CURVE4_TO):
+            part = Path(start)
+            part.append_path_element(command)
+            found.append(np.array([(point.x, point.y) for point in part.flattening(finest, LEAST_CHORDS)], dtype=float))
+        start = command.end
+    return found
 
 
 def _is_hidden(entity: Any, document: Any, layer: str) -> bool:

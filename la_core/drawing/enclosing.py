@@ -7,6 +7,8 @@ import numpy as np
 import scipy
 import shapely
 
+from la_core.drawing.curves import Curves, with_points
+
 SAMPLES = 8  # points of a line that tell where most of it lies
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
@@ -14,28 +16,25 @@ FREE = 0.05  # of an outline's area or length, that others may cover where it is
 SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
 MOST_CROSSINGS = 200_000  # of lines: they enclose about as many outlines, and a scene has at most 50,000 blocks
 SAMPLED, COMMON = 300, 0.9  # lines of which crossings are counted, and the share of them that counts: a few may cross all others
-LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
+SPREAD = 2.0  # times the distance within which ends meet: most that ends which meet lie apart along x or z
+CLOSING = 0.5  # of its length: a line whose ends are closer than this turns back
 
 
 def enclosed(
-    lines: Sequence[np.ndarray], snap: float, sagitta: float, outlines: Sequence[np.ndarray] = ()
+    lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray] = ()
 ) -> tuple[list[np.ndarray], np.ndarray, list[np.ndarray]]:
     """Outlines (n, 2) that lines enclose together, the mask of the lines that bound none, and the outlines around others.
 
-    Ends of lines closer to each other than `snap` (m) meet. An end that meets no other reaches on by twice as much,
-    so that a line that stops just short of another one meets it. Where a line ends on a curve, whose chords are off by up to
-    `sagitta` (m), the chords go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
+    Coordinates are off by up to `snap` (m), so ends and corners of lines within twice as much meet. An end that meets no other reaches on by twice
+    as much, so that a line that stops just short of another one meets it. Where a line ends on one of the curves of the drawing, the chords
+    of the curve go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
     that runs along one that stays whole does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
     """
     _refuse_a_tangle(lines)
     every = [*lines, *(np.concatenate([outline, outline[:1]]) for outline in outlines)]
-    ends = _merged(np.concatenate([[line[0], line[-1]] for line in every]), snap)
-    _, number, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
-    lone = uses[number.ravel()] == 1
-    pairs = ends.reshape(-1, 2, 2)
-    joined = [np.concatenate([[first], line[1:-1], [last]]) for line, (first, last) in zip(every, pairs, strict=True)]
-    joined = _through(joined, ends, lone, snap, sagitta)
-    drawn = np.array([_reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone.reshape(-1, 2), strict=True)])
+    joined, lone = _joined(every, 2.0 * snap)
+    joined = _through(joined, lone, snap, curves)
+    drawn = np.array([_reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone, strict=True)])
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.unary_union(drawn))))
     is_around = shapely.get_num_interior_rings(faces) > 0
     inner = faces[~is_around]
@@ -83,12 +82,12 @@ def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: 
     return _share(_strings(lines), shapely.boundary(_polygons(outlines)), near) == 1.0
 
 
-def of_own_lines(lines: Sequence[np.ndarray], snap: float, sagitta: float, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
+def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Outlines (n, 2) of lines that bound nothing else, where no other outline (n, 2) is: stones drawn by lines between closed outlines.
 
-    Lines that go on, as a bed joint that is drawn again past an opening, enclose none. snap, sagitta: as in `enclosed`.
+    Lines that go on, as a bed joint that is drawn again past an opening, enclose none. snap, curves: as in `enclosed`.
     """
-    faces, _, _ = enclosed(lines, snap, sagitta)
+    faces, _, _ = enclosed(lines, snap, curves)
     if not faces:
         return []
     others = shapely.union_all(shapely.make_valid(_polygons(outlines)))  # an outline that crosses itself is refused later
@@ -121,9 +120,9 @@ def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: 
     return line, outline
 
 
-def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, sagitta: float) -> list[np.ndarray]:
+def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
     """Outlines (n, 2) into which lines divide an outline (n, 2); it alone where they do not."""
-    faces, _, around = enclosed(lines, snap, sagitta, [outline])
+    faces, _, around = enclosed(lines, snap, curves, [outline])
     return faces if len(faces) > 1 and not around else [outline]
 
 
@@ -137,31 +136,31 @@ def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.nd
     return np.asarray(inside > 0.5)
 
 
-def conforming(outlines: Sequence[np.ndarray], snap: float, sagitta: float) -> list[np.ndarray]:
+def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
     """Outlines (n, 2) whose curves go through the corners of their neighbours on them, so that both have the same chords.
 
-    Stones on both sides of a curve divide it at corners of their own. Chords between these would overlap and leave gaps of up to
-    `sagitta` (m).
+    Stones on both sides of a curve divide it at corners of their own. Chords between these would overlap and leave gaps of up to the
+    sagitta of the curves.
     """
-    curved = [k for k, outline in enumerate(outlines) if _turns(_round(outline)).any()]
+    curved = [k for k, outline in enumerate(outlines) if curves.lines and curves.along(_round(outline), snap).any()]
     if not curved:
         return list(outlines)
     start = np.cumsum([0, *(len(outline) for outline in outlines)])
     owner = np.repeat(np.arange(len(outlines)), np.diff(start))
     rings = np.array([shapely.LinearRing(outlines[k]) for k in curved])
     corners = np.concatenate(outlines)
-    corner, on = shapely.STRtree(rings).query(shapely.points(corners), predicate="dwithin", distance=snap + sagitta)
-    polygons = _polygons(outlines)
+    corner, on = shapely.STRtree(rings).query(shapely.points(corners), predicate="dwithin", distance=snap + curves.sagitta)
+    polygons = np.asarray(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
     pairs, pair = np.unique(np.stack([owner[corner], on]), axis=1, return_inverse=True)
     touch = shapely.dwithin(polygons[pairs[0]], polygons[curved][pairs[1]], TOUCHING)  # open joints stay as they are drawn
     corner, on = corner[touch[pair.ravel()]], on[touch[pair.ravel()]]
     shared = np.unique(corner)
-    corners[shared] = _merged(corners[shared], snap)  # of neighbours
+    corners[shared] = _merged(corners[shared], snap, owner[shared])  # of neighbours
     conformed = [corners[first:last] for first, last in pairwise(start)]
     for k, outline in enumerate(curved):
         near = np.unique(corners[corner[(on == k) & (owner[corner] != outline)]], axis=0)
         apart = scipy.spatial.cKDTree(conformed[outline]).query(near)[0] > snap
-        through = _with_points(_round(conformed[outline]), near[apart], snap, sagitta)[:-2]
+        through = with_points(_round(conformed[outline]), near[apart], snap, curves)[:-2]
         conformed[outline] = through if shapely.Polygon(through).is_valid else conformed[outline]
     return [new if shapely.Polygon(new).is_valid else old for new, old in zip(conformed, outlines, strict=True)]
 
@@ -192,66 +191,82 @@ def _share(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
     return np.asarray(hit.reshape(-1, SAMPLES).mean(axis=1))
 
 
-def _merged(points: np.ndarray, snap: float) -> np.ndarray:
-    """Points (n, 2), each chain of points closer than `snap` to the next one replaced by its first one."""
+def _turns_back(line: np.ndarray) -> bool:
+    """Whether the ends of a line (n, 2) are close to each other, as those of an outline that is drawn as a line."""
+    return len(line) > 2 and float(np.hypot(*(line[-1] - line[0]))) < CLOSING * float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
+def _joined(lines: Sequence[np.ndarray], snap: float) -> tuple[list[np.ndarray], np.ndarray]:
+    """Lines (n, 2) whose ends and corners within `snap` (m) meet, and the mask (lines, 2) of the ends that meet nothing."""
+    stop = np.cumsum([len(line) for line in lines])
+    start = np.concatenate([[0], stop[:-1]])
+    owner = np.repeat(np.arange(len(lines)), stop - start)
+    owner[stop - 1] += np.where([_turns_back(line) for line in lines], len(lines), 0)  # the ends of such a line may meet
+    points = _merged(np.concatenate(lines), snap, owner)
+    _, number, uses = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    lone = uses[number.ravel()[np.stack([start, stop - 1], axis=1)]] == 1
+    return [_without_repeats(points[first:last]) for first, last in zip(start, stop, strict=True)], lone
+
+
+def _without_repeats(line: np.ndarray) -> np.ndarray:
+    """A line (n, 2) without points that repeat the one before; two points at least."""
+    kept = np.concatenate([[True], (np.diff(line, axis=0) != 0.0).any(axis=1)])
+    return line[kept] if kept.sum() > 1 else line[[0, -1]]
+
+
+def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None) -> np.ndarray:
+    """Points (n, 2), those closer than `snap` (m) to each other replaced by the first of them, and chains of such points, too.
+
+    A curve that is drawn as many short lines is such a chain, and would vanish: a chain that is wider than SPREAD times `snap`, or that
+    holds several points with one number in `owner` (n,), is divided.
+    """
+    owner = np.arange(len(points)) if owner is None else owner
     pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     joined = scipy.sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
-    _, group = scipy.sparse.csgraph.connected_components(joined, directed=False)
-    return points[np.unique(group, return_index=True)[1][group]]
+    count, group = scipy.sparse.csgraph.connected_components(joined, directed=False)
+    first = np.unique(group, return_index=True)[1][group]
+    extent = np.full((count, 2), -np.inf), np.full((count, 2), -np.inf)
+    for sign, most in zip((1.0, -1.0), extent, strict=True):
+        np.maximum.at(most, group, sign * points)
+    is_crowd = (extent[0] + extent[1]).max(axis=1) > SPREAD * snap
+    alike, times = np.unique(np.stack([group, owner]), axis=1, return_counts=True)
+    is_crowd[alike[0][times > 1]] = True
+    if is_crowd.any():
+        first = _divided_chains(points, pairs[is_crowd[group[pairs[:, 0]]]], first, np.flatnonzero(is_crowd[group]), SPREAD * snap, owner)
+    return np.asarray(points[first])
 
 
-def _through(lines: list[np.ndarray], ends: np.ndarray, lone: np.ndarray, snap: float, sagitta: float) -> list[np.ndarray]:
-    """Lines that go through the ends (n, 2) of other lines on them; a lone end on a straight line reaches it by itself."""
+def _divided_chains(
+    points: np.ndarray, pairs: np.ndarray, first: np.ndarray, crowd: np.ndarray, widest: float, owner: np.ndarray
+) -> np.ndarray:
+    """First point (n,) that each one meets, where those of a crowd (indices) meet pair by pair, the nearest first, within `widest` (m)."""
+    first = first.copy()
+    first[crowd] = crowd
+    members = {k: [k] for k in crowd.tolist()}
+    number = owner.tolist()
+    for j, k in pairs[np.argsort(np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T), kind="stable")].tolist():
+        one, other = sorted((int(first[j]), int(first[k])))
+        both = members[one] + members[other] if one != other else []
+        if both and len({number[m] for m in both}) == len(both) and np.ptp(points[both], axis=0).max() <= widest:
+            first[members.pop(other)] = one
+            members[one] = both
+    return first
+
+
+def _through(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
+    """Lines that go through the ends of other lines on them; a lone end (lines, 2) on a straight line reaches it by itself."""
+    ends, lone = np.concatenate([line[[0, -1]] for line in lines]), lone.ravel()
     strings, tips = _strings(lines), shapely.points(ends)
-    tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + sagitta)
+    tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + curves.sagitta)
     for end in (0, -1):
         apart = ~shapely.dwithin(tips[tip], shapely.get_point(strings[line], end), snap)
         tip, line = tip[apart], line[apart]
     through = list(lines)
     for j in np.unique(line).tolist():
         on_it = tip[line == j]
-        through[j] = _with_points(lines[j], ends[on_it], snap, sagitta, lone[on_it])
+        through[j] = with_points(lines[j], ends[on_it], snap, curves, lone[on_it])
     return through
-
-
-def _with_points(line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray | None = None) -> np.ndarray:
-    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them; `lone` as in `_places_on`."""
-    lone = np.ones(len(points), dtype=bool) if lone is None else lone
-    point, chord, share = _places_on(line, points, snap, sagitta, lone)
-    _, first = np.unique(points[point], axis=0, return_index=True)
-    first = first[np.lexsort((share[first], chord[first]))]
-    return np.insert(line, chord[first] + 1, points[point[first]], axis=0)
-
-
-def _places_on(
-    line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (m, 2) that a line (n, 2) has to go through: their indices, the nearest chord of each, and where along it (0 to 1).
-
-    The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
-    `lone` (m,) points need a curve: they reach a straight line by themselves.
-    """
-    chords = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
-    point, chord = shapely.STRtree(chords).query(shapely.points(points), predicate="dwithin", distance=snap + sagitta)
-    along = line[chord + 1] - line[chord]
-    length = np.hypot(*along.T)
-    share = np.clip(((points[point] - line[chord]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
-    off = np.hypot(*(line[chord] + share[:, None] * along - points[point]).T)
-    order = np.lexsort((chord, off, point))
-    nearest = order[np.diff(point[order], prepend=-1) > 0]
-    point, chord, share, off = point[nearest], chord[nearest], share[nearest], off[nearest]
-    turn = np.concatenate([[0.0], _turns(line), [0.0]])
-    bend = np.minimum(sagitta, 0.25 * length[nearest] * np.maximum(turn[chord], turn[chord + 1]))
-    is_on_it = (off <= snap + bend) & ((bend > 0.0) | ~lone[point]) & (share > 0.0) & (share < 1.0)
-    return point[is_on_it], chord[is_on_it], share[is_on_it]
-
-
-def _turns(line: np.ndarray) -> np.ndarray:
-    """Turn (n - 2,) from each chord of a line (n, 2) to the next one, rad; 0 where it is the corner of a stone."""
-    along = np.diff(line, axis=0)
-    angle = np.arctan2(along[:, 1], along[:, 0])
-    turn = np.abs((np.diff(angle) + np.pi) % (2.0 * np.pi) - np.pi)
-    return np.where((turn > LEAST_TURN) & (turn <= MOST_TURN), turn, 0.0)
 
 
 def _reaching(line: np.ndarray, free: np.ndarray, reach: float) -> shapely.LineString:

@@ -90,6 +90,8 @@ class Drawn:
         Number of entities of each kind that are no outlines.
     sagitta : float
         Largest distance between a curve and its chords, m.
+    curves : list of (n, 2) array
+        The chords of each curve in the file, which its outlines and lines have, too, m.
     """
 
     unit: float
@@ -98,6 +100,7 @@ class Drawn:
     ignored: dict[str, int] = field(default_factory=dict)
     count: int = 0
     sagitta: float = 0.0
+    curves: list[np.ndarray] = field(default_factory=list)
 
     def add(self, points: np.ndarray, closed: bool, layer: str, colour: str) -> None:
         """Add a polyline (n, 2), m; it is closed if it says so, or if it ends where it begins."""

@@ -192,10 +192,12 @@ class _Reader:
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
         if not np.isfinite(here.matrix).all():
             raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
-        for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300)):
+        curves: list[np.ndarray] = []
+        for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300), curves):
             closed = is_closed or (kind in FILLED and _is_filled(here) and _encloses(points))
             layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
             self.drawn.add(points @ turn.T + place, closed, layer, here.colour)
+        self.drawn.curves += [points @ turn.T + place for points in curves]
 
 
 def _tag(element: ElementTree.Element) -> str:

@@ -10,13 +10,14 @@ NEXT_NUMBER = re.compile(rf"[\s,]*({NUMBER.pattern})")
 NEXT_FLAG = re.compile(r"[\s,]*([01])")  # one digit, which needs no separator after it
 COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
 TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+STRAIGHT = "LHV"
 FLAGS = (3, 4)  # places of the flags among the seven values of an arc
 FAMILIES = {"S": "CS", "T": "QT"}  # commands whose last control point a smooth curve reflects
 MOST_CHORDS = 200  # of one Bézier curve
 CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least of a circle, and most of an arc
 
 
-def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
+def path_lines(text: str, sagitta: float, curves: list[np.ndarray]) -> list[tuple[np.ndarray, bool]]:
     """Every subpath as points (n, 2), and whether it is closed.
 
     Parameters
@@ -25,6 +26,8 @@ def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
         Commands of the path.
     sagitta : float
         Largest distance between a curve and its chords, in the units of the path.
+    curves : list of (n, 2) array
+        Takes the chords of every curve.
 
     Raises
     ------
@@ -47,8 +50,11 @@ def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
             at, points = start, [start]
         else:
             control = handle if previous in FAMILIES.get(kind, "") else at
+            before = at
             at, handle, new = _drawn(kind, numbers, base, at, control, sagitta)
             points += new
+            if kind not in STRAIGHT:
+                curves.append(np.array([before, *new]))
         previous = kind
     _finish(lines, points, closed=False)
     return lines

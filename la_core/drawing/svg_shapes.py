@@ -12,7 +12,9 @@ SHAPES = {"path", "polygon", "polyline", "rect", "line", "circle", "ellipse"}
 FILLED = {"path", "polyline"}  # what may be open and yet filled
 
 
-def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sagitta: float) -> list[tuple[np.ndarray, bool]]:
+def shape_lines(
+    element: ElementTree.Element, kind: str, viewport: Viewport, sagitta: float, curves: list[np.ndarray]
+) -> list[tuple[np.ndarray, bool]]:
     """Lines (n, 2) of one of the SHAPES, in its own units, and whether each is closed.
 
     Parameters
@@ -25,6 +27,8 @@ def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sag
         What its lengths refer to.
     sagitta : float
         Largest distance between a curve and its chords, in the units of the shape.
+    curves : list of (n, 2) array
+        Takes the chords of every curve, in the units of the shape.
 
     Raises
     ------
@@ -36,7 +40,7 @@ def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sag
         return viewport.length(element.get(name, "0"), f"a <{kind}> with {name}", along)
 
     if kind == "path":
-        return path_lines(element.get("d", ""), sagitta)
+        return path_lines(element.get("d", ""), sagitta, curves)
     if kind in ("polygon", "polyline"):
         numbers = [float(text) for text in NUMBER.findall(element.get("points", ""))]
         return [(np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2), kind == "polygon")]
@@ -45,12 +49,16 @@ def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sag
     if kind == "rect":
         place, size = np.array([length("x", "x"), length("y", "y")]), np.array([length("width", "x"), length("height", "y")])
         radii = _radii(element, viewport, size) if {"rx", "ry"} & element.attrib.keys() else np.zeros(2)
-        return [(place + _rectangle(size, radii, sagitta), True)] if size.min() > 0.0 else []  # SVG draws nothing without a size
+        corners, arcs = _rectangle(size, radii, sagitta) if size.min() > 0.0 else (np.zeros((0, 2)), [])
+        curves += [place + arc for arc in arcs]
+        return [(place + corners, True)] if len(corners) else []  # SVG draws nothing without a size
     radii = np.array([length("r")] * 2 if kind == "circle" else [length("rx", "x"), length("ry", "y")])
     count = chords(float(radii.max()), 2.0 * math.pi, sagitta)
     turn = 2.0 * np.pi * np.arange(count) / count
     points = np.array([length("cx", "x"), length("cy", "y")]) + radii * np.column_stack([np.cos(turn), np.sin(turn)])
-    return [(points, True)] if radii.min() > 0.0 else []
+    is_drawn = radii.min() > 0.0
+    curves += [np.concatenate([points, points[:1]])] if is_drawn else []
+    return [(points, True)] if is_drawn else []
 
 
 def _radii(element: ElementTree.Element, viewport: Viewport, size: np.ndarray) -> np.ndarray:
@@ -64,14 +72,17 @@ def _radii(element: ElementTree.Element, viewport: Viewport, size: np.ndarray) -
     return np.clip(both, 0.0, np.abs(size) / 2.0)
 
 
-def _rectangle(size: np.ndarray, radii: np.ndarray, sagitta: float) -> np.ndarray:
-    """Corners (n, 2) of a rectangle from the origin; one so little rounded that it lies within `sagitta` stays sharp."""
+def _rectangle(size: np.ndarray, radii: np.ndarray, sagitta: float) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Corners (n, 2) of a rectangle from the origin, and its arcs; one so little rounded that it lies within `sagitta` stays sharp."""
     if radii.min() <= 0.0 or (math.sqrt(2.0) - 1.0) * radii.max() <= sagitta:
-        return np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]) * size
+        return np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]) * size, []
     turn = np.linspace(0.0, np.pi / 2.0, chords(float(radii.max()), np.pi / 2.0, sagitta) + 1)
     arc = np.column_stack([np.cos(turn), np.sin(turn)]) * radii  # about the centre of a corner, from x to y
     inner = np.abs(size) / 2.0 - radii
-    quarters = [inner + arc, (-1.0, 1.0) * (inner + arc)[::-1], -(inner + arc), (1.0, -1.0) * (inner + arc)[::-1]]
-    points = size / 2.0 + np.concatenate(quarters)
+    quarters = [
+        size / 2.0 + quarter
+        for quarter in (inner + arc, (-1.0, 1.0) * (inner + arc)[::-1], -(inner + arc), (1.0, -1.0) * (inner + arc)[::-1])
+    ]
+    points = np.concatenate(quarters)
     repeated = (np.abs(points - np.roll(points, 1, axis=0)) <= 1e-12 * np.abs(size).max()).all(axis=1)
-    return np.asarray(points[~repeated])
+    return np.asarray(points[~repeated]), quarters

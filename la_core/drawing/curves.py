@@ -1,0 +1,83 @@
+"""Curves of a drawing as chords, which go through the ends of lines and the corners of stones on them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
+
+
+@dataclass(frozen=True)
+class Curves:
+    """The curves of a drawing.
+
+    Attributes
+    ----------
+    lines : sequence of (n, 2) array
+        Chords of each curve, m.
+    sagitta : float
+        Largest distance between a curve and its chords, m.
+    """
+
+    lines: Sequence[np.ndarray] = ()
+    sagitta: float = 0.0
+    _tree: shapely.STRtree = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_tree", shapely.STRtree([shapely.LineString(line) for line in self.lines]))
+
+    def along(self, line: np.ndarray, snap: float) -> np.ndarray:
+        """Mask (n - 1,) of the chords of a line (n, 2) whose ends and middle lie on a curve, to within the sagitta and `snap` (m)."""
+        mask = np.zeros(len(line) - 1, dtype=bool)
+        if not self.lines:
+            return mask
+        places = np.concatenate([line[:-1], 0.5 * (line[:-1] + line[1:]), line[1:]])
+        place, curve = self._tree.query(shapely.points(places), predicate="dwithin", distance=snap + self.sagitta)
+        pairs, hits = np.unique(np.stack([place % len(mask), curve]), axis=1, return_counts=True)
+        mask[pairs[0][hits == 3]] = True
+        return mask
+
+
+def with_points(line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray | None = None) -> np.ndarray:
+    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them.
+
+    Points of the mask `lone` (m,), all by default, need a curve: they reach a straight line by themselves.
+    """
+    lone = np.ones(len(points), dtype=bool) if lone is None else lone
+    point, chord, share = _places_on(line, points, snap, curves, lone)
+    _, first = np.unique(points[point], axis=0, return_index=True)
+    first = first[np.lexsort((share[first], chord[first]))]
+    return np.insert(line, chord[first] + 1, points[point[first]], axis=0)
+
+
+def _places_on(
+    line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (m, 2) that a line (n, 2) has to go through: their indices, the nearest chord of each, and where along it (0 to 1).
+
+    The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
+    """
+    chords = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
+    point, chord = shapely.STRtree(chords).query(shapely.points(points), predicate="dwithin", distance=snap + curves.sagitta)
+    along = line[chord + 1] - line[chord]
+    length = np.hypot(*along.T)
+    share = np.clip(((points[point] - line[chord]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
+    off = np.hypot(*(line[chord] + share[:, None] * along - points[point]).T)
+    order = np.lexsort((chord, off, point))
+    nearest = order[np.diff(point[order], prepend=-1) > 0]
+    point, chord, share, off = point[nearest], chord[nearest], share[nearest], off[nearest]
+    turn = np.concatenate([[0.0], _turns(line), [0.0]])
+    bend = np.minimum(curves.sagitta, 0.25 * length[nearest] * np.maximum(turn[chord], turn[chord + 1]))
+    bend = np.where(curves.along(line, snap)[chord], bend, 0.0)
+    is_on_it = (off <= snap + bend) & ((bend > 0.0) | ~lone[point]) & (share > 0.0) & (share < 1.0)
+    return point[is_on_it], chord[is_on_it], share[is_on_it]
+
+
+def _turns(line: np.ndarray) -> np.ndarray:
+    """Turn (n - 2,) from each chord of a line (n, 2) to the next one, rad; 0 where it is the corner of a stone."""
+    along = np.diff(line, axis=0)
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    turn = np.abs((np.diff(angle) + np.pi) % (2.0 * np.pi) - np.pi)
+    return np.where((turn > LEAST_TURN) & (turn <= MOST_TURN), turn, 0.0)
