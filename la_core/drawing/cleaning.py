@@ -8,7 +8,8 @@ import scipy
 import shapely
 
 from la_core.drawing.curves import Curves
-from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched, within
+from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, within
+from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched
 from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
 from la_core.text_table import place_text
 
@@ -46,6 +47,12 @@ class Cleaned:
         Lines that divide outlines of other layers.
     idle : tuple of (str, (n, 2) array)
         The lines that enclose nothing, each with its layer.
+    rests : tuple of (str, (n, 2) array)
+        Parts of other lines that bound nothing, each with its layer.
+    edges : tuple of LayerCount
+        Those of the idle lines that may be edges of stones: both their ends meet other lines, or nearly do.
+    areas : tuple of LayerCount
+        Areas without an outline that lines and outlines enclose together.
     """
 
     outlines: tuple[Outline, ...]
@@ -57,11 +64,15 @@ class Cleaned:
     around: tuple[LayerCount, ...] = ()
     across: tuple[LayerCount, ...] = ()
     idle: tuple[tuple[str, np.ndarray], ...] = ()
+    rests: tuple[tuple[str, np.ndarray], ...] = ()
+    edges: tuple[LayerCount, ...] = ()
+    areas: tuple[LayerCount, ...] = ()
 
     def stray(self, blocks: Sequence[Outline]) -> tuple[LayerCount, ...]:
-        """Those of the idle lines that lie in blocks, by layer."""
-        inside = within([line for _, line in self.idle], [block.points for block in blocks])
-        return by_layer(one for one, is_inside in zip(self.idle, inside, strict=True) if is_inside)
+        """Those of the idle lines, and of the rests of other lines, that lie in blocks, by layer."""
+        rings = [block.points for block in blocks]
+        inside = [*within([line for _, line in self.idle], rings), *ends_within([rest for _, rest in self.rests], rings)]
+        return by_layer(one for one, is_inside in zip((*self.idle, *self.rests), inside, strict=True) if is_inside)
 
 
 def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] = lambda _layer, _colour: "blocks") -> Cleaned:
@@ -113,7 +124,8 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
         ]
     clean = tuple(Outline(points, *outlines[k].place) for k, points in zip(order, rings, strict=True))
     counts = int(double.sum()), int(speck.sum()), loose
-    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), around, by_layer(found.across), idle)
+    lost = _lost(found, drawn, max(SNAP, tolerance), curves)
+    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), around, by_layer(found.across), idle, tuple(found.rests), *lost)
 
 
 @dataclass
@@ -132,6 +144,8 @@ class _Found:
         Lines that divide outlines of other layers.
     again : list of (str, (n, 2) array)
         Lines that are edges of outlines, drawn again.
+    rests : list of (str, (n, 2) array)
+        Parts of lines that bound nothing, where the rest of the line does.
     """
 
     outlines: list[Outline]
@@ -139,11 +153,12 @@ class _Found:
     around: list[tuple[str, np.ndarray]]
     across: list[tuple[str, np.ndarray]]
     again: list[tuple[str, np.ndarray]]
+    rests: list[tuple[str, np.ndarray]]
 
 
 def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
-    found = _Found(list(drawn.outlines), {}, [], [], [])
+    found = _Found(list(drawn.outlines), {}, [], [], [], [])
     for (layer, colour), of_layer in drawn.lines.items():
         every = of_layer
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
@@ -159,12 +174,13 @@ def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
             continue
         take_part = touched([found.outlines[k].points for k in here], lines, snap + curves.sagitta)
         rings = [here[k] for k in np.flatnonzero(take_part)]
-        faces, idle, around = enclosed(lines, snap, curves, [found.outlines[k].points for k in rings])
+        new = enclosed(lines, snap, curves, [found.outlines[k].points for k in rings])
         replaced = set(rings)
         found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
-        found.outlines += [Outline(face, layer, colour) for face in faces]
-        found.around += [(layer, points) for points in around]
-        found.idle[layer, colour] = [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
+        found.outlines += [Outline(face, layer, colour) for face in new.faces]
+        found.around += [(layer, points) for points in new.around]
+        found.rests += [(layer, rest) for rest in new.rests]
+        found.idle[layer, colour] = [line for line, is_idle in zip(lines, new.idle, strict=True) if is_idle]
     return _with_lines_of_other_layers(found, snap, curves)
 
 
@@ -183,7 +199,25 @@ def _with_lines_of_other_layers(found: _Found, snap: float, curves: Curves) -> _
     for j, (place, line) in enumerate(lines):
         if j not in used:
             idle.setdefault(place, []).append(line)
-    return _Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again)
+    return _Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again, found.rests)
+
+
+def _lost(found: _Found, drawn: Drawn, snap: float, curves: Curves) -> tuple[tuple[LayerCount, ...], tuple[LayerCount, ...]]:
+    """Lines and areas that may be edges of stones, and stones, that are lost, unless another remark tells of them."""
+    rings = [outline.points for outline in found.outlines]
+    edges: list[tuple[str, np.ndarray]] = []
+    areas: list[tuple[str, np.ndarray]] = []
+    every = [line for lines in drawn.lines.values() for line in lines]
+    for (layer, colour), lines in drawn.lines.items():
+        idle = found.idle.get((layer, colour), [])
+        told = [line for line in (*idle, *(line for _, line in found.again)) if any(all_but_closed([line], layer))]
+        around = [points for _, points in found.around]
+        alike = [outline.points for outline in found.outlines if outline.place == (layer, colour)]
+        here = areas_without_outline(lines, [*alike, *around, *told], rings, snap, curves) if drawn.outlines else []
+        meets = nearly_enclosing(idle, every, rings, snap) & ~retraced(idle, [*here, *around, *told], 2.0 * snap)
+        edges += [(layer, line) for line, is_told in zip(idle, meets, strict=True) if is_told]
+        areas += [(layer, area) for area in here]
+    return by_layer(edges), by_layer(areas)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:

@@ -1,6 +1,7 @@
 """Outlines that lines enclose: their ends meet, curves pass through the ends of lines on them, and lines divide outlines."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -11,7 +12,6 @@ from la_core.drawing.curves import Curves, with_points
 
 SAMPLES = 8  # points of a line that tell where most of it lies
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
-ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
 FREE = 0.05  # of an outline's area or length, that others may cover where it is drawn by lines of its own
 SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
 MOST_CROSSINGS = 200_000  # of lines: they enclose about as many outlines, and a scene has at most 50,000 blocks
@@ -20,14 +20,34 @@ SPREAD = 2.0  # times the distance within which ends meet: most that ends which 
 CLOSING = 0.5  # of its length: a line whose ends are closer than this turns back
 
 
-def enclosed(
-    lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray] = ()
-) -> tuple[list[np.ndarray], np.ndarray, list[np.ndarray]]:
-    """Outlines (n, 2) that lines enclose together, the mask of the lines that bound none, and the outlines around others.
+@dataclass(frozen=True)
+class Enclosed:
+    """What lines enclose together.
 
-    Coordinates are off by up to `snap` (m), so ends and corners of lines within twice as much meet. An end that meets no other reaches on by twice
-    as much, so that a line that stops just short of another one meets it. Where a line ends on one of the curves of the drawing, the chords
-    of the curve go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
+    Attributes
+    ----------
+    faces : list of (n, 2) array
+        Outlines that they enclose.
+    idle : array of bool
+        Mask of the lines that bound none.
+    around : list of (n, 2) array
+        Outlines around others.
+    rests : list of (n, 2) array
+        Parts of the other lines that bound none.
+    """
+
+    faces: list[np.ndarray]
+    idle: np.ndarray
+    around: list[np.ndarray]
+    rests: list[np.ndarray]
+
+
+def enclosed(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray] = ()) -> Enclosed:
+    """Find the outlines that lines (n, 2) enclose together.
+
+    Coordinates are off by up to `snap` (m), so ends and corners of lines within twice as much meet. An end that meets no other
+    reaches on by twice as much, so that a line that stops just short of another one meets it. Where a line ends on one of the curves of the
+    drawing, the chords of the curve go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
     that runs along one that stays whole does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
     """
     _refuse_a_tangle(lines)
@@ -35,16 +55,19 @@ def enclosed(
     joined, lone = _joined(every, 2.0 * snap)
     joined = _through(joined, lone, snap, curves)
     drawn = np.array([_reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone, strict=True)])
-    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.unary_union(drawn))))
+    faces, cuts, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.unary_union(drawn)))
+    faces = shapely.get_parts(faces)
     is_around = shapely.get_num_interior_rings(faces) > 0
     inner = faces[~is_around]
-    idle = _share(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
-    return _corners(inner), idle, _corners(faces[is_around])
+    idle = share_near(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
+    loose = np.concatenate([shapely.get_parts(cuts), shapely.get_parts(dangles)])
+    rests = loose[share_near(loose, drawn[: len(lines)][idle], snap) < 0.5]
+    return Enclosed(_corners(inner), idle, _corners(faces[is_around]), [shapely.get_coordinates(rest) for rest in rests])
 
 
 def _refuse_a_tangle(lines: Sequence[np.ndarray]) -> None:
     """Raise ValueError for lines that cross each other far too often for joints, before that costs minutes."""
-    strings = _strings(lines)
+    strings = strings_of(lines)
     some = strings[:: -(-len(strings) // SAMPLED)]
     crossed, _ = shapely.STRtree(strings).query(some, predicate="crosses")
     counts = np.sort(np.bincount(crossed, minlength=len(some)))[: int(np.ceil(COMMON * len(some)))]
@@ -60,7 +83,7 @@ def _is_whole(faces: np.ndarray, outlines: Sequence[np.ndarray]) -> np.ndarray:
     """Mask of the faces that are one of the outlines (n, 2), and no part of it."""
     mask = np.zeros(len(faces), dtype=bool)
     if len(faces) and outlines:
-        polygons = _polygons(outlines)
+        polygons = outline_polygons(outlines)
         face, outline = shapely.STRtree(polygons).query(shapely.point_on_surface(faces), predicate="within")
         mask[face[np.isclose(shapely.area(faces[face]), shapely.area(polygons[outline]), rtol=SAME_AREA, atol=0.0)]] = True
     return mask
@@ -71,7 +94,7 @@ def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: f
     mask = np.zeros(len(outlines), dtype=bool)
     if outlines and lines:
         rings = np.array([shapely.LinearRing(outline) for outline in outlines])
-        mask[shapely.STRtree(rings).query(_strings(lines), predicate="dwithin", distance=near)[1]] = True
+        mask[shapely.STRtree(rings).query(strings_of(lines), predicate="dwithin", distance=near)[1]] = True
     return mask
 
 
@@ -79,7 +102,7 @@ def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: 
     """Mask of the lines (n, 2) that run along outlines (n, 2) all the way, to within `near` (m): edges that are drawn again."""
     if not lines or not outlines:
         return np.zeros(len(lines), dtype=bool)
-    return _share(_strings(lines), shapely.boundary(_polygons(outlines)), near) == 1.0
+    return share_near(strings_of(lines), shapely.boundary(outline_polygons(outlines)), near) == 1.0
 
 
 def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -87,11 +110,11 @@ def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outli
 
     Lines that go on, as a bed joint that is drawn again past an opening, enclose none. snap, curves: as in `enclosed`.
     """
-    faces, _, _ = enclosed(lines, snap, curves)
+    faces = enclosed(lines, snap, curves).faces
     if not faces:
         return []
-    others = shapely.union_all(shapely.make_valid(_polygons(outlines)))  # an outline that crosses itself is refused later
-    found, strings = _polygons(faces), _strings(lines)
+    others = shapely.union_all(shapely.make_valid(outline_polygons(outlines)))  # an outline that crosses itself is refused later
+    found, strings = outline_polygons(faces), strings_of(lines)
     bounds = shapely.buffer(shapely.boundary(found), 2.0 * snap)
     line, face = shapely.STRtree(bounds).query(strings, predicate="covered_by")
     own = [shapely.buffer(shapely.union_all(strings[line[face == k]]), 2.0 * snap) for k in range(len(found))]
@@ -108,7 +131,7 @@ def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: 
     """
     if not outlines or not lines:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
-    polygons, drawn = _polygons(outlines), _strings(lines)
+    polygons, drawn = outline_polygons(outlines), strings_of(lines)
     line, outline = shapely.STRtree(polygons).query(shapely.line_interpolate_point(drawn, 0.5, normalized=True), predicate="within")
     boundary = shapely.boundary(polygons)[outline]
     for end in (0, -1):
@@ -122,18 +145,8 @@ def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: 
 
 def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
     """Outlines (n, 2) into which lines divide an outline (n, 2); it alone where they do not."""
-    faces, _, around = enclosed(lines, snap, curves, [outline])
-    return faces if len(faces) > 1 and not around else [outline]
-
-
-def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask of the lines (n, 2) of which most lies in outlines, and not on their edges."""
-    if not lines or not outlines:
-        return np.zeros(len(lines), dtype=bool)
-    polygons = _polygons(outlines)
-    strings = _strings(lines)
-    inside = _share(strings, polygons, 0.0) - _share(strings, shapely.boundary(polygons), ON_EDGE)
-    return np.asarray(inside > 0.5)
+    found = enclosed(lines, snap, curves, [outline])
+    return found.faces if len(found.faces) > 1 and not found.around else [outline]
 
 
 def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
@@ -170,11 +183,13 @@ def _round(outline: np.ndarray) -> np.ndarray:
     return np.concatenate([outline, outline[:2]])
 
 
-def _polygons(outlines: Sequence[np.ndarray]) -> np.ndarray:
+def outline_polygons(outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Outlines (n, 2) as polygons."""
     return np.asarray(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
 
 
-def _strings(lines: Sequence[np.ndarray]) -> np.ndarray:
+def strings_of(lines: Sequence[np.ndarray]) -> np.ndarray:
+    """Lines (n, 2) as line strings."""
     return np.array([shapely.LineString(line) for line in lines])
 
 
@@ -182,8 +197,8 @@ def _corners(faces: np.ndarray) -> list[np.ndarray]:
     return [shapely.get_coordinates(shapely.get_exterior_ring(face))[:-1] for face in faces]
 
 
-def _share(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
-    """Share of each line that lies in, on or near shapes, by SAMPLES of its points."""
+def share_near(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
+    """Share of each line that lies in, on or near shapes (within `near`, m), by SAMPLES of its points."""
     shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
     points = shapely.line_interpolate_point(lines[:, None], shares, normalized=True).ravel()
     hit = np.zeros(len(points), dtype=bool)
@@ -257,7 +272,7 @@ def _divided_chains(
 def _through(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
     """Lines that go through the ends of other lines on them; a lone end (lines, 2) on a straight line reaches it by itself."""
     ends, lone = np.concatenate([line[[0, -1]] for line in lines]), lone.ravel()
-    strings, tips = _strings(lines), shapely.points(ends)
+    strings, tips = strings_of(lines), shapely.points(ends)
     tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + curves.sagitta)
     for end in (0, -1):
         apart = ~shapely.dwithin(tips[tip], shapely.get_point(strings[line], end), snap)

@@ -15,6 +15,8 @@ def remarks(
     around: Sequence[LayerCount],
     across: Sequence[LayerCount],
     covered: Sequence[LayerCount] = (),
+    edges: Sequence[LayerCount] = (),
+    areas: Sequence[LayerCount] = (),
 ) -> list[str]:
     """Sentences about a drawing; none for what it does not have.
 
@@ -30,8 +32,13 @@ def remarks(
         Lines that divide blocks of other layers.
     covered : sequence of LayerCount
         Openings that blocks cover in part.
+    edges : sequence of LayerCount
+        Lines that may be edges of stones, and enclose nothing.
+    areas : sequence of LayerCount
+        Areas that lines and outlines enclose together, and that are no blocks.
     """
-    told = (open_words(open_outlines), _stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
+    left_out = (_stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
+    told = (open_words(open_outlines), *left_out, _edge_words(edges), _area_words(areas))
     return [words for words in told if words]
 
 
@@ -78,6 +85,22 @@ def _covered_words(openings: Sequence[LayerCount]) -> str:
         return ""
     reaches, it = ("reaches", "it") if _is_one(openings) else ("reach", "them")
     return f"{_listed(openings, 'opening')} {reaches} into blocks, which stay whole; draw these blocks around {it}"
+
+
+def _edge_words(lines: Sequence[LayerCount]) -> str:
+    if not lines:
+        return ""
+    encloses, it, its = (
+        ("encloses", "it is an edge", "its ends meet") if _is_one(lines) else ("enclose", "they are edges", "their ends meet")
+    )
+    return f"{_listed(lines, 'line')} {encloses} nothing, although {its} others, or nearly do; where {it} of a stone, close its outline"
+
+
+def _area_words(areas: Sequence[LayerCount]) -> str:
+    if not areas:
+        return ""
+    are, block = ("is", "is no block") if _is_one(areas) else ("are", "are no blocks")
+    return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; close the outline of what is a stone"
 
 
 def _is_one(some: Sequence[LayerCount]) -> bool:

@@ -9,11 +9,11 @@ from xml.etree import ElementTree
 import numpy as np
 
 from la_core.drawing.outlines import UNITS
-from la_core.drawing.svg_paths import NUMBER
 
 PIXEL = 0.0254 / 96.0  # m
 PAPER_UNITS = {**UNITS, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0, "q": 2.5e-4}  # in m
 ANGLES = {"": 1.0, "deg": 1.0, "grad": 0.9, "rad": 180.0 / math.pi, "turn": 360.0}  # in degrees
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*([a-z%]*)\s*")
 ARGUMENT = re.compile(rf"[\s,]*({NUMBER.pattern})([a-z%]*)")
 FUNCTION = re.compile(r"[\s,]*([a-z]+)\s*\(([^()]*)\)")

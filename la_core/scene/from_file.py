@@ -166,7 +166,7 @@ def _doubt(clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     """Comments on what is open, divides nothing or lies around others, and on what the drawing hides."""
-    told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across)
+    told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across, edges=clean.edges, areas=clean.areas)
     rows = [f"# CHECK: {words}" for words in told]
     if hidden := drawn.ignored.get(HIDDEN, 0):
         what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"

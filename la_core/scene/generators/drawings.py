@@ -54,6 +54,10 @@ class DrawnBlocks:
         Openings that blocks cover in part; the blocks stay whole.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
+    loose_edges : tuple of LayerCount
+        Those of the loose lines that may be edges of stones: both their ends meet other lines, or nearly do.
+    areas_without_block : tuple of LayerCount
+        Areas that lines and outlines enclose together, and that are no blocks.
     """
 
     file: str
@@ -72,14 +76,17 @@ class DrawnBlocks:
     across: tuple[LayerCount, ...]
     covered: tuple[LayerCount, ...]
     ignored: dict[str, int]
+    loose_edges: tuple[LayerCount, ...] = ()
+    areas_without_block: tuple[LayerCount, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain values."""
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what is open, divides no block, lies around others, divides blocks of other layers, or is covered by blocks."""
-        told = remarks(self.open_outlines, self.stray_lines, self.around, self.across, self.covered)
+        """Sentences on what may be read in another way than it is meant, see `remarks`."""
+        left_out = (self.stray_lines, self.around, self.across, self.covered)
+        told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block)
         return tuple(f'drawing "{self.file}": {words}.' for words in told)
 
 
@@ -131,11 +138,11 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    told = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around, clean.across, covered)
-    open_ones, stray, around, across, covered = (_shifted(some, table) for some in told)
-    return shapes, DrawnBlocks(
-        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, across, covered, drawn.ignored
-    )
+    stray = clean.stray([outline for outline, _ in built])
+    left_out = (_shifted(some, table) for some in (clean.open_outlines, stray, clean.around, clean.across, covered))
+    lost = (_shifted(some, table) for some in (clean.edges, clean.areas))
+    found: tuple[Any, ...] = (table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, *left_out, drawn.ignored, *lost)
+    return shapes, DrawnBlocks(*found)
 
 
 def nothing_found(clean: Cleaned, drawn: Drawn) -> str:

@@ -1,0 +1,86 @@
+"""Lines of a drawing that may be joints or edges of stones, and yet divide and enclose nothing."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from la_core.drawing.curves import Curves
+from la_core.drawing.enclosing import enclosed, outline_polygons, share_near, strings_of
+from la_core.drawing.outlines import ALL_BUT_CLOSED
+
+ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
+LONG_REST = 0.25  # of the root of a block's area: a shorter part of a line that ends within it is a careless end
+LINED = 0.1  # of its edge: an area is meant by lines if they bound so much of it
+
+
+def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask of the lines (n, 2) of which most lies in outlines, and not on their edges."""
+    if not lines or not outlines:
+        return np.zeros(len(lines), dtype=bool)
+    polygons = outline_polygons(outlines)
+    strings = strings_of(lines)
+    inside = share_near(strings, polygons, 0.0) - share_near(strings, shapely.boundary(polygons), ON_EDGE)
+    return np.asarray(inside > 0.5)
+
+
+def ends_within(rests: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask of the rests of lines (n, 2) that lie in an outline (n, 2), and are long beside it: joints that stop short of its edge."""
+    mask = within(rests, outlines)
+    if mask.any():
+        polygons = outline_polygons(outlines)
+        middle = shapely.line_interpolate_point(strings_of(rests), 0.5, normalized=True)
+        rest, outline = shapely.STRtree(polygons).query(middle, predicate="within")
+        size = np.full(len(rests), np.inf)
+        np.minimum.at(size, rest, np.sqrt(shapely.area(polygons[outline])))
+        mask &= shapely.length(strings_of(rests)) > LONG_REST * size
+    return mask
+
+
+def areas_without_outline(
+    lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], others: Sequence[np.ndarray], snap: float, curves: Curves
+) -> list[np.ndarray]:
+    """Areas (n, 2) that lines and outlines (n, 2) enclose together where there is neither an outline nor one of the others (n, 2).
+
+    An area that is larger than all outlines is no stone, but the span of an arch. snap, curves: as in `enclosed`.
+    """
+    if not lines or not outlines:
+        return []
+    faces = enclosed(lines, snap, curves, outlines).faces
+    if not faces:
+        return []
+    polygons, tree = outline_polygons(faces), shapely.STRtree(outline_polygons([*outlines, *others]))
+    is_free = np.ones(len(faces), dtype=bool)
+    is_free[tree.query(shapely.point_on_surface(polygons), predicate="within")[0]] = False
+    is_free &= ~shapely.is_empty(shapely.buffer(polygons, -2.0 * snap))
+    is_free &= shapely.area(polygons) <= shapely.area(outline_polygons(outlines)).max()
+    edges = [np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces]
+    for k in np.flatnonzero(is_free).tolist():
+        sides = strings_of(list(edges[k]))
+        length = shapely.length(sides)
+        is_free[k] = float(share_near(sides, strings_of(lines), 2.0 * snap) @ length) >= LINED * float(length.sum())
+    return [faces[k] for k in np.flatnonzero(is_free)]
+
+
+def nearly_enclosing(idle: Sequence[np.ndarray], lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], snap: float) -> np.ndarray:
+    """Mask of the idle lines (n, 2) outside outlines (n, 2) both ends of which meet others of the lines, or outlines, or nearly do.
+
+    An end nearly meets what is as close to it as the ends of a line are that is all but closed. A line that runs along an outline is
+    no edge of another stone.
+    """
+    if not idle:
+        return np.zeros(0, dtype=bool)
+    strings = strings_of(idle)
+    rings = shapely.boundary(outline_polygons(outlines)) if outlines else np.zeros(0, dtype=object)
+    every = np.concatenate([strings_of(lines), rings])
+    near = ALL_BUT_CLOSED * shapely.length(strings)
+    mask = ~within(idle, outlines) & (near > 2.0 * snap)
+    if len(rings):
+        mask &= share_near(strings, rings, 2.0 * snap) < 0.5
+    for end in (0, -1):
+        tip, other = shapely.STRtree(every).query(shapely.get_point(strings, end), predicate="dwithin", distance=near)
+        apart = ~shapely.equals_exact(strings[tip], every[other])
+        met = np.zeros(len(strings), dtype=bool)
+        met[tip[apart]] = True
+        mask &= met
+    return mask
