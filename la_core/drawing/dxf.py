@@ -102,17 +102,13 @@ def _refuse_too_many(number: int) -> None:
 
 
 def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: float, sagitta: float) -> None:
-    from ezdxf import path  # noqa: PLC0415
-
     kind = HIDDEN if entity is None else entity.dxftype()
     is_surface = kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)  # a mesh
     if kind not in CURVES or is_surface:
         drawn.ignore(kind)
         return
     try:
-        if kind == "POLYLINE":  # the frame of a smoothed polyline is not shown
-            entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
-        curve = path.make_path(entity) if motion is None else path.make_path(entity).transform(motion)
+        curve = _path_of(entity) if motion is None else _path_of(entity).transform(motion)
         guides = np.array([(point.x, point.y) for point in curve.control_vertices()], dtype=float).reshape(-1, 2)
         size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
         finest = max(sagitta / scale, FINEST * size)  # a circle around the whole world has no more chords than memory holds
@@ -126,6 +122,45 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
     closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
     drawn.add(scale * points, closed, *place)
     drawn.curves += [scale * points for points in curves]
+
+
+def _path_of(entity: Any) -> Any:
+    """The path of an entity, as a CAD program shows it."""
+    from ezdxf import path  # noqa: PLC0415
+
+    if entity.dxftype() == "POLYLINE":  # the frame of a smoothed polyline is not shown
+        entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
+    if entity.dxftype() == "SPLINE" and len(entity.control_points) and len(entity.knots):
+        degree, knots = entity.dxf.degree, entity.knots
+        if knots[0] < knots[degree] or knots[-degree - 1] < knots[-1]:
+            return _within_its_domain(path.make_path, entity)
+    return path.make_path(entity)
+
+
+def _within_its_domain(make_path: Any, spline: Any) -> Any:
+    """The path of a spline whose curve begins after its first knots, as that of a closed spline without a beginning.
+
+    ezdxf follows a spline from its first knot to its last. Knots that repeat the ends of the curve make both the same.
+    """
+    from scipy.interpolate import insert  # noqa: PLC0415 - few drawings have such splines
+
+    degree, weights = spline.dxf.degree, np.array(spline.weights or [1.0] * len(spline.control_points))
+    guides = np.column_stack([np.array(spline.control_points, dtype=float) * weights[:, None], weights])
+    knots = np.array(spline.knots, dtype=float)
+    first, last = knots[degree], knots[-degree - 1]
+    padding = np.zeros((degree + 1, guides.shape[1]))  # fitpack wants as many coefficients as knots
+    coefficients = list(np.concatenate([guides, padding]).T)
+    for end in (first, last):
+        missing = degree + 1 - int(np.count_nonzero(knots == end))
+        if missing > 0:
+            knots, coefficients, _ = insert(end, (knots, coefficients, degree), missing)
+    inside = np.flatnonzero((knots >= first) & (knots <= last))
+    kept = slice(inside[0], inside[-1] - degree)
+    whole = np.array(coefficients).T[kept]
+    spline = spline.copy()
+    spline.control_points, spline.weights = whole[:, :3] / whole[:, 3:], whole[:, 3] if len(spline.weights) else []
+    spline.knots = knots[inside]
+    return make_path(spline)
 
 
 def _curves(curve: Any, finest: float) -> list[np.ndarray]:

@@ -19,6 +19,7 @@ from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
 from la_core.drawing.svg_styles import UNREAD, StyleSheet, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
+ASKS = {"systemLanguage", "requiredExtensions", "requiredFeatures"}  # attributes of elements that not every program draws
 CONTAINERS = {"svg", "g", "a", "switch", "use"}
 WITH_VIEW = {"svg", "symbol"}  # what has a view box of its own
 DEEPEST = 100  # groups and copies within one another
@@ -140,7 +141,7 @@ class _Reader:
             self._add_copy(element, here, depth)
         elif kind not in CONTAINERS and here.displayed:
             self.drawn.ignore(kind)
-        for child in element if kind != "use" else ():
+        for child in _shown_of(element, kind):
             self.walk(child, here, depth + 1)
 
     def _add_copy(self, use: ElementTree.Element, here: _Around, depth: int) -> None:
@@ -198,6 +199,16 @@ class _Reader:
             layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
             self.drawn.add(points @ turn.T + place, closed, layer, here.colour)
         self.drawn.curves += [points @ turn.T + place for points in curves]
+
+
+def _shown_of(element: ElementTree.Element, kind: str) -> list[ElementTree.Element]:
+    """The children of an element that are drawn in its place: all of them, but of a <switch> the first that asks for nothing."""
+    if kind == "use":
+        return []
+    children = list(element)
+    if kind == "switch":
+        return [child for child in children if not ASKS & child.attrib.keys()][:1]
+    return children
 
 
 def _tag(element: ElementTree.Element) -> str:

@@ -14,6 +14,8 @@ PROPERTIES = (*READ, *UNREAD)
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")
+# States of elements that hold for nothing in a drawing that nobody touches, and parts that are no elements.
+STATES = re.compile(r":(hover|active|focus|visited|link|any-link|target|checked|:)", re.IGNORECASE)
 UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
 
 
@@ -48,8 +50,7 @@ class StyleSheet:
             for selector in selectors.split(","):
                 parts = PART.findall(selector)
                 if not parts or "".join(parts) != selector.strip():
-                    if ":" not in selector:  # states such as :hover hold for nothing in a drawing
-                        self.unread += 1
+                    self.unread += not STATES.search(selector)
                     continue
                 ids, classes, any_kind = (sum(part[0] == sign for part in parts) for sign in "#.*")
                 weight = (ids, classes, len(parts) - ids - classes - any_kind, place)
@@ -74,7 +75,7 @@ def sheet_of(root: ElementTree.Element) -> StyleSheet:
 
 
 def _blocks(text: str) -> Iterator[tuple[str, str]]:
-    """Selectors and body of every rule that lies in no other block."""
+    """Selectors and body of every rule that lies in no other block; "@media" stands for the selectors of one that may hold on a screen."""
     first, *others = text.split("/*")
     plain = first + " ".join(other.partition("*/")[2] for other in others)
     around: list[str] = []
@@ -85,6 +86,8 @@ def _blocks(text: str) -> Iterator[tuple[str, str]]:
         elif token == "}":
             if len(around) == 1 and not around[0].startswith("@"):
                 yield around[0], before
+            elif len(around) == 2 and around[0].lower().startswith("@media") and "print" not in around[0].lower():
+                yield "@media", before
             around = around[:-1]
         before = "" if token in "{}" else token
 

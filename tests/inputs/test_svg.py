@@ -341,6 +341,18 @@ def test_a_rule_that_depends_on_other_elements_is_counted() -> None:
     assert drawn.ignored == {"rules of style sheets": 2}
 
 
+@pytest.mark.parametrize("rule", [".a:not(.b){{display:none}}", "g:first-child{{display:none}}", "@media screen{{.a{{display:none}}}}"])
+def test_a_rule_that_may_hold_on_a_screen_and_is_not_read_is_counted(rule: str) -> None:
+    drawn = read(f"<style>{rule.format()}</style><g class='a'>{ONE}</g>")
+    assert drawn.ignored == {"rules of style sheets": 1}
+
+
+def test_of_a_switch_the_first_part_that_asks_for_nothing_is_drawn() -> None:
+    other = '<rect y="900" width="70" height="70"/>'
+    drawn = read(f'<switch><g systemLanguage="xx">{other}</g><foreignObject requiredExtensions="a"/><g>{ONE}</g><g>{other}</g></switch>')
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF) and drawn.ignored == {}
+
+
 def test_colours_come_from_styles() -> None:
     sheet = "<style>.a{fill:RED} .b{fill:none;stroke:#00F}</style>"
     given = ('class="a"', 'class="b"', 'class="a" style="fill:green"', "")

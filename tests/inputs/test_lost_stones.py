@@ -1,0 +1,186 @@
+"""No stone of a drawing is lost by short lines, by coordinates that are right to the tolerance, or without a word."""
+
+import io
+import itertools
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+
+import la_core
+from la_core.drawing import read_outlines
+from la_core.scene import Scene
+
+GRAVITY, DENSITY, THICKNESS = 9.81, 2000.0, 0.5
+GROUND = '<g id="ground"><rect x="-0.5" y="0" width="5" height="0.5"/></g>'
+
+
+def scene_of(folder: Path, stones: str, tolerance: float = 0.0, ground: str = GROUND, keys: str = "") -> Scene:
+    page = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 4">{ground}<g id="b" stroke="red" fill="none">{stones}</g></svg>'
+    (folder / "wall.svg").write_text(page)
+    geometry = f"[geometry]\ntolerance = {tolerance}\n" if tolerance else ""
+    (folder / "wall.toml").write_text(
+        f"[stone]\ndensity = {DENSITY}\n[joint]\nfriction = 2.0\n{geometry}[[drawing]]\nfile = 'wall.svg'\nunit = 'm'\n"
+        f"thickness = {THICKNESS}\nground = ['ground']\n{keys}[live]\ndirection = [-1.0, 0.0, 0.0]\n"
+    )
+    return la_core.load(folder / "wall.toml")
+
+
+def line(*points: tuple[float, float]) -> str:
+    return f'<polyline points="{" ".join(f"{x:.9f},{-z:.9f}" for x, z in points)}"/>'
+
+
+def polygon(*points: tuple[float, float]) -> str:
+    return f'<polygon points="{" ".join(f"{x:.9f},{-z:.9f}" for x, z in points)}"/>'
+
+
+def box(x0: float, z0: float, x1: float, z1: float) -> str:
+    return polygon((x0, z0), (x1, z0), (x1, z1), (x0, z1))
+
+
+def told(scene: Scene) -> list[str]:
+    return [words for words in scene.warnings if words.startswith("drawing")]
+
+
+@pytest.mark.parametrize("count", [100, 400, 1000])
+def test_a_curve_of_lines_shorter_than_the_tolerance_stays_a_curve(count: int, tmp_path: Path) -> None:
+    turn = np.linspace(0.0, np.pi, count + 1)
+    rim = [(0.5 + 0.5 * np.cos(a), 1.5 + 0.5 * np.sin(a)) for a in turn]
+    stones = box(0, 0, 1, 1) + line((0, 1), (0, 1.5)) + line((1, 1), (1, 1.5))
+    scene = scene_of(tmp_path, stones + "".join(line(*pair) for pair in itertools.pairwise(rim)), 0.005)
+    weight = (1.0 + 0.5 + np.pi / 8.0) * THICKNESS * DENSITY * GRAVITY
+    assert int(scene.blocks.free.sum()) == 2
+    assert scene.weight == pytest.approx(weight, rel=0.005 * np.pi / 2.0 / 1.9)  # the curve may be off by the tolerance
+
+
+JUNCTIONS = [(0, 0), (2, 0), (4, 0), (0, 1), (1.3, 1), (2.4, 1), (4, 1), (0, 2), (1.3, 2), (4, 2)]
+EDGES = [(0, 1), (1, 2), (3, 4), (4, 5), (5, 6), (7, 8), (8, 9), (0, 3), (3, 7), (1, 4), (4, 8), (2, 6), (6, 9)]
+STONES = [(0, 1, 4, 3), (1, 2, 6, 5, 4), (3, 4, 8, 7), (4, 5, 6, 9, 8)]
+
+
+@pytest.mark.parametrize("joined", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_ends_that_are_each_right_to_the_tolerance_meet(seed: int, joined: bool, tmp_path: Path) -> None:
+    """Four stones of lines, or of polylines of two edges each; every point is off by the tolerance in a direction of its own."""
+    tolerance, rng = 0.01, np.random.default_rng(seed)
+
+    def off(k: int) -> tuple[float, float]:
+        angle = rng.uniform(0.0, 2.0 * np.pi)
+        return JUNCTIONS[k][0] + tolerance * np.cos(angle), JUNCTIONS[k][1] + tolerance * np.sin(angle)
+
+    drawn = EDGES
+    if joined:  # polylines that turn at junctions where others end
+        drawn = [(0, 1, 2, 6, 9), (0, 3, 4, 5, 6), (3, 7, 8, 9), (1, 4, 8)]
+    scene = scene_of(tmp_path, "".join(line(*(off(k) for k in edge)) for edge in drawn), tolerance)
+    areas = sorted(scene.blocks.volume[scene.blocks.free] / THICKNESS)
+    expected = sorted((shapely.Polygon([JUNCTIONS[k] for k in stone]) for stone in STONES), key=lambda one: one.area)
+    assert len(areas) == 4 and not told(scene)
+    for area, stone in zip(areas, expected, strict=True):
+        assert area == pytest.approx(stone.area, abs=2.0 * tolerance * stone.length)
+
+
+def test_a_chamfer_is_no_curve_and_moves_nothing(tmp_path: Path) -> None:
+    """The block's lower corner is worn by 4 mm; the base's far corner is cut. The block turns about its contact's end, at x = 0.5."""
+    block = polygon((0.5, 1), (1, 1), (1, 2.5), (0.46, 2.5), (0.46, 1.004))
+    base = f'<g id="ground">{polygon((0, 0), (1, 0), (1, 1), (0.4, 1), (0, 0.8))}</g>'
+    scene = scene_of(tmp_path, block, ground=base)
+    centre = shapely.Polygon([(0.5, 1), (1, 1), (1, 2.5), (0.46, 2.5), (0.46, 1.004)]).centroid
+    answer = la_core.solve(scene)
+    assert answer.analysis.sharp.bounds[answer.analysis.main].value == pytest.approx((centre.x - 0.5) / (centre.y - 1.0), rel=1e-6)
+
+
+def test_small_stones_with_common_corners_are_exact(tmp_path: Path) -> None:
+    stones = [
+        [(0.2174, 0), (0.3143, 0), (0.2637, 0.0599), (0.2034, 0.0905), (0.2026, 0.0887)],
+        [(0.1721, 0.1377), (0.1209, 0.1101), (0.1086, 0.0995), (0.1649, 0.0427), (0.2026, 0.0887), (0.2034, 0.0905), (0.1935, 0.1251)],
+        [(0.1955, 0.1259), (0.279, 0.1479), (0.2637, 0.0599), (0.2034, 0.0905), (0.1935, 0.1251)],
+    ]
+    scene = scene_of(tmp_path, "".join(polygon(*stone) for stone in stones))
+    areas = sum(shapely.Polygon(stone).area for stone in stones)
+    assert scene.weight == pytest.approx(areas * THICKNESS * DENSITY * GRAVITY, rel=1e-9)
+
+
+FRAME = box(0, 0, 3, 1) + box(0, 1, 1, 2) + box(2, 1, 3, 2) + box(0, 2, 3, 3)  # around a hole from (1, 1) to (2, 2)
+
+
+@pytest.mark.parametrize(
+    ("lines", "blocks", "lost"),
+    [
+        (line((1.5, 1), (1.5, 2)), 4, "2 areas"),
+        (line((1, 1.5), (2, 1.5)), 4, "2 areas"),
+        (line((1, 1.5), (2, 1.5)) + line((1.5, 1), (1.5, 1.5)), 6, "1 area"),
+    ],
+)
+def test_an_area_between_lines_and_outlines_is_told(lines: str, blocks: int, lost: str, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, FRAME + lines)
+    assert int(scene.blocks.free.sum()) == blocks
+    (words,) = told(scene)
+    assert f'{lost} on layer "b"' in words and "enclosed by lines and outlines together" in words
+
+
+def test_a_hole_without_lines_and_the_span_of_an_arch_are_not_told(tmp_path: Path) -> None:
+    assert not told(scene_of(tmp_path, FRAME))
+    arcs = "".join(f'<path d="M{2 - r} 0 A{r} {r} 0 0 1 {2 + r} 0"/>' for r in (1.2, 1.5))
+    ends = line((0.5, 0), (0.8, 0)) + line((3.2, 0), (3.5, 0))
+    rays = "".join(line((2 + 1.2 * c, 1.2 * s), (2 + 1.5 * c, 1.5 * s)) for c, s in ((0.6, 0.8), (0, 1), (-0.6, 0.8)))
+    scene = scene_of(tmp_path, arcs + ends + rays)
+    assert int(scene.blocks.free.sum()) == 4 and not told(scene)
+
+
+def test_lines_that_nearly_close_are_told(tmp_path: Path) -> None:
+    stone = line((0, 2), (1, 2)) + line((0, 1), (0, 2)) + line((1, 1), (1, 1.985))
+    scene = scene_of(tmp_path, box(0, 0, 1, 1) + stone, 0.005)
+    (words,) = told(scene)
+    assert int(scene.blocks.free.sum()) == 1 and "3 lines" in words and "enclose nothing, although their ends meet others" in words
+    closed = scene_of(tmp_path, box(0, 0, 1, 1) + stone.replace("-1.985", "-1.991"), 0.005)
+    assert int(closed.blocks.free.sum()) == 2 and not told(closed)
+
+
+def test_a_dimension_beside_a_wall_is_not_told(tmp_path: Path) -> None:
+    assert not told(scene_of(tmp_path, box(0, 0, 1, 1) + line((0, 1.3), (1, 1.3))))
+
+
+@pytest.mark.parametrize(("stop", "lines"), [(3.9, 1), (4.0, 0), (4.05, 0)])
+def test_a_joint_that_stops_within_a_block_is_told_although_it_divides_others(stop: float, lines: int, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, box(0, 0, 4, 2) + line((0, 1), (stop, 1)) + line((2.5, 0), (2.5, 2)))
+    assert int(scene.blocks.free.sum()) == (3 if lines else 4)
+    assert len(told(scene)) == lines and all("1 line" in words and "lies within a block" in words for words in told(scene))
+
+
+def outline_of(document: ezdxf.document.Drawing) -> shapely.Polygon:
+    document.header["$INSUNITS"] = 6
+    text = io.StringIO()
+    document.write(text)
+    (outline,) = read_outlines(".dxf", text.getvalue().encode(), None, 1e-4).outlines
+    return shapely.Polygon(outline.points)
+
+
+def test_the_frame_of_a_smoothed_polyline_is_no_part_of_it() -> None:
+    """Vertices with flag 16 guide the curve, and those with flag 8 lie on it: CAD programs show the square of the latter alone."""
+    document = ezdxf.new("R2000")
+    frame, curve = [(-1, -1), (3, -1), (3, 3), (-1, 3)], [(0, 0), (2, 0), (2, 2), (0, 2)]
+    drawn = document.modelspace().add_polyline2d([*frame, *curve], close=True)
+    drawn.dxf.flags |= 4
+    for number, vertex in enumerate(drawn.vertices):
+        vertex.dxf.flags |= 16 if number < len(frame) else 8
+    assert outline_of(document).area == pytest.approx(4.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("weights", "within"), [([], 2e-4), ([1.0] * 7, 2e-3)])  # ezdxf replaces splines with weights by Bézier curves
+@pytest.mark.parametrize("shift", [-3.0, 0.0, 5.0])
+def test_a_closed_spline_without_a_beginning_is_its_curve(shift: float, weights: list[float], within: float) -> None:
+    """A uniform cubic spline about a square: over each span, x and z are (1/6, 2/3, 1/6, 0) of four corners at its start."""
+    document, square = ezdxf.new("R2000"), np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    spline = document.modelspace().add_spline(degree=3)
+    corners = np.concatenate([square, square[:3]])
+    spline.control_points = [(x, z, 0.0) for x, z in corners]
+    spline.knots = [k + shift for k in range(len(corners) + 4)]
+    spline.weights = weights
+    spline.closed = True
+    t = np.linspace(0.0, 1.0, 2000)[:-1, None]
+    basis = [(1 - t) ** 3 / 6, (3 * t**3 - 6 * t**2 + 4) / 6, (-3 * t**3 + 3 * t**2 + 3 * t + 1) / 6, t**3 / 6]
+    curve = np.concatenate([sum(one * corners[k + j] for j, one in enumerate(basis)) for k in range(4)])
+    found = outline_of(document)
+    assert found.is_valid and found.hausdorff_distance(shapely.Polygon(curve)) < within
