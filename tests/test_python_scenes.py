@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import la_core
+from la_core import SceneError
 from la_core.analysis.case_file import scene_digest
 from la_core.scene import key_paths, shipped
 from la_core.scene.loads.point_forces import PointForces
@@ -220,3 +221,21 @@ def test_a_copy_of_a_scene_cannot_be_changed_behind_its_text_either(same: Callab
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
     assert scene.yade == {"stiffening": 2.0}
+
+
+def test_a_new_expected_value_does_not_keep_an_associated_one_of_another_structure() -> None:
+    blocks = la_core.load("two_blocks")  # expects an associated value, too, which holds for its friction alone
+    assert blocks.expected is not None and blocks.expected.associated_reaction_over_weight is not None
+    smooth = la_core.variant(blocks, {"joint.friction": 0.3, "expected.reaction_over_weight": 0.5})
+    assert smooth.expected is not None and smooth.expected.reaction_over_weight == 0.5
+    assert smooth.expected.associated_reaction_over_weight is None and smooth.expected.tolerance == blocks.expected.tolerance
+    assert la_core.variant(blocks, {"joint.friction": 0.3, "expected.tolerance": 0.01}).expected is None
+    same = la_core.variant(blocks, {"expected.tolerance": 0.01}).expected
+    assert same is not None and same.associated_reaction_over_weight == blocks.expected.associated_reaction_over_weight
+
+
+def test_a_key_that_a_later_one_overwrites_is_refused() -> None:
+    with pytest.raises(SceneError, match=r'"joint.inset": is a part of "joint", which is set after it as a whole.*write it within "joint"'):
+        la_core.variant("two_blocks", {"joint.inset": 0.002, "joint": {"friction": 0.3}})
+    changed = la_core.variant("two_blocks", {"joint": {"friction": 0.3}, "joint.inset": 0.002})
+    assert (changed.friction, changed.inset) == (0.3, 0.002)

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.numbers import percent
-from comparison.verdict import VERDICT_HEADINGS, Check, check_words, verdict_cells, verdict_title
+from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import OVER_WEIGHT, number_text, over_weight
@@ -100,8 +100,16 @@ def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check], 
         return None
     table = _answer_table(("prediction" if rows else "check", unit, share), rows)
     for check in checks:
-        table.add_row(check.name, number_text(check.limit_analysis), coloured(" ".join(check_words(check.verdict)), check.verdict))
+        table.add_row(check.name, number_text(check.limit_analysis), coloured(_expected_words(check), check.verdict))
     return table
+
+
+def _expected_words(check: Check) -> str:
+    """Return whether an expected value is met, and where it is not, the value itself."""
+    words = " ".join(check_words(check.verdict))
+    if check.verdict is not Verdict.UNEXPECTED or check.limit_analysis is None or check.difference is None:
+        return words
+    return f"{words}: {number_text(check.limit_analysis + check.difference)} is expected"
 
 
 def _shown(rows: list[tuple[str, str, str]], long: bool) -> list[tuple[str, str, str]]:

@@ -246,7 +246,7 @@ def _of_expected(file: SceneFile) -> Iterator[str]:
     if file.expected is None:
         return
     tolerance = file.expected.tolerance
-    values = {name: value for name, value in file.expected if name not in ("tolerance", "kind") and value}
+    values = {name: value for name in file.expected.values() if (value := getattr(file.expected, name))}
     for name, value in values.items():
         if tolerance > LOOSE * abs(value):
             share = f"{100.0 * tolerance / abs(value):.3g} % of {name} = {value:g}"

@@ -21,12 +21,13 @@ import tomli_w
 from la_core.errors import SceneError, path_of
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
-from la_core.scene.schema.scene_file import SceneFile
+from la_core.scene.schema.scene_file import Expected, SceneFile
 from la_core.scene.shipped import load
 from la_core.scene.validation import as_scene_error
 
 # These may change without a new expected value.
 KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "yade", "expected")
+ASSOCIATED = ("associated_reaction_over_weight", "associated_multiplier")  # expected values that nearly every change makes wrong
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 DEEPEST = 20  # tables and arrays within each other: a scene needs eight
 LONGEST_TITLE = 120  # characters of a title made so
@@ -96,7 +97,8 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     Notes
     -----
     The title gets the changes appended, unless `changes` has a title. `source` and [expected] speak of the original scene: they are
-    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and [yade].
+    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and [yade]. A change
+    that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
 
     Examples
     --------
@@ -149,7 +151,8 @@ def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    Source and expected value speak of one structure: each is removed where the structure changes, unless `changes` names it.
+    Source and expected values speak of one structure: both are removed where the structure changes, unless `changes` names them. A change
+    that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
 
     Parameters
     ----------
@@ -160,17 +163,38 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
     where : Path or str
         Scene file, or words for a scene without one, that messages name.
     """
+    _refuse_overwritten(list(changes))
     before = _whole(tables, where)
     for key, value in changes.items():
         key_paths.put(tables, key, copy.deepcopy(value))
     whole = _whole(tables, where)
-    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
-    named = {key_paths.steps(key)[0] for key in changes}
-    for key, none in (("expected", None), ("source", "")):
-        if is_another and key not in named and whole[key] != none:
-            del tables[key]
-            whole[key] = none
+    if not any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED):
+        return whole
+    if "source" not in changes and whole["source"]:
+        del tables["source"]
+        whole["source"] = ""
+    if "expected" in changes or whole["expected"] is None:
+        return whole
+    named = [key.removeprefix("expected.") for key in changes if key.startswith("expected.")]
+    if not set(named) & set(Expected.values()):
+        del tables["expected"]
+        whole["expected"] = None
+        return whole
+    for name in ASSOCIATED:
+        if name not in named:
+            tables["expected"].pop(name, None)
+            whole["expected"][name] = None
     return whole
+
+
+def _refuse_overwritten(keys: list[str]) -> None:
+    """Raise SceneError for a key whose table a later key sets as a whole: its value would be lost without a word."""
+    paths = [key_paths.steps(key) for key in keys]
+    for later, path in enumerate(paths):
+        for earlier, part in enumerate(paths[:later]):
+            if len(path) < len(part) and part[: len(path)] == path:
+                rule = f'is a part of "{keys[later]}", which is set after it as a whole'
+                raise SceneError(f'"{keys[earlier]}"', rule, hint=f'write it within "{keys[later]}"')
 
 
 def _whole(tables: dict[str, Any], where: Path | str) -> dict[str, Any]:

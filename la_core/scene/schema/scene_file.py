@@ -220,9 +220,14 @@ class Expected(Table):
     tolerance: Positive = described("largest difference that still agrees, in the unit of these values", default=1e-4)
     kind: Literal["exact", "published", "computed"] = described("source of the value: calculation by hand, publication, or another program")
 
+    @classmethod
+    def values(cls) -> list[str]:
+        """Names of the values that may be expected."""
+        return [name for name in cls.model_fields if name not in ("tolerance", "kind")]
+
     @model_validator(mode="after")
     def _expects_something(self) -> Self:
-        if all(value is None for name, value in self if name not in ("tolerance", "kind")):
+        if all(getattr(self, name) is None for name in self.values()):
             raise ValueError("needs a value: `reaction_over_weight`, `reaction_max_over_weight` or `multiplier`")
         return self
 
