@@ -10,6 +10,7 @@ import numpy as np
 
 FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
 AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
+MOST_AT_A_TIME = 1_000_000  # rays times edges, so that they need little memory
 
 
 def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
@@ -54,6 +55,8 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
     best: tuple[float, int, int, np.ndarray | None] = (np.inf, 0, 0, None)
     for corner in inward.tolist():
         for length, edge, meeting in _cuts_from(points, corner):
+            if length / 2.0 >= best[0]:
+                continue
             cost = length / 2.0 if _resolves(points, inward, corner, meeting) else length
             if cost < best[0]:
                 best = (cost, corner, edge, meeting)
@@ -88,32 +91,41 @@ def _cuts_from(points: np.ndarray, corner: int) -> list[tuple[float, int, np.nda
     slack = FLATNESS * size
     to_left = edge_in[0] * unit[:, 1] - edge_in[1] * unit[:, 0] >= -slack
     to_right = unit[:, 1] * edge_out[0] - unit[:, 0] * edge_out[1] >= -slack
+    kept = unit[to_left & to_right & (np.hypot(*directions.T) > slack)]
+    rows = max(1, MOST_AT_A_TIME // len(points))
     found = []
-    for direction in unit[to_left & to_right & (np.hypot(*directions.T) > slack)]:
-        hit = _first_hit(points, corner, direction, size)
-        if hit is not None:
-            found.append(hit)
+    for start in range(0, len(kept), rows):
+        some = kept[start : start + rows]
+        edges, ends = _ends(points, corner, some, *_first_hits(points, corner, some, size), size)
+        found += list(zip(np.hypot(*(ends - origin).T).tolist(), edges.tolist(), ends, strict=True))
     return found
 
 
-def _first_hit(points: np.ndarray, corner: int, direction: np.ndarray, size: float) -> tuple[float, int, np.ndarray] | None:
-    """Length, edge and end of the ray from a corner to the first edge that it meets."""
+def _first_hits(points: np.ndarray, corner: int, directions: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Edges (d,) that rays from a corner along directions (d, 2) meet first, -1 for none, and their distances (d,)."""
     origin, following = points[corner], np.roll(points, -1, axis=0)
-    along, across = points - origin, following - points
-    steepness = direction[0] * across[:, 1] - direction[1] * across[:, 0]
+    (along_x, along_z), (across_x, across_z) = (points - origin).T, (following - points).T
+    x, z = directions[:, :1], directions[:, 1:]
+    steepness = x * across_z - z * across_x
     with np.errstate(divide="ignore", invalid="ignore"):
-        distance = (along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / steepness
-        share = (along[:, 0] * direction[1] - along[:, 1] * direction[0]) / steepness
-    reach = np.hypot(*across.T)
+        distance = (along_x * across_z - along_z * across_x) / steepness
+        share = (along_x * z - along_z * x) / steepness
+    reach = np.hypot(across_x, across_z)
     slack = AT_CORNER * size / np.maximum(reach, AT_CORNER * size)
     meets = (distance > AT_CORNER * size) & (share >= -slack) & (share <= 1.0 + slack) & (np.abs(steepness) > FLATNESS * reach)
-    meets[[corner, corner - 1]] = False
-    if not meets.any():
-        return None
-    edge = int(np.argmin(np.where(meets, distance, np.inf)))
-    end = origin + distance[edge] * direction
-    for place, at in ((edge, points[edge]), ((edge + 1) % len(points), following[edge])):
-        if np.hypot(*(end - at)) <= AT_CORNER * size:
-            edge, end = (place - 1) % len(points), at  # the edge that ends at this corner
-            break
-    return float(np.hypot(*(end - origin))), edge, end
+    meets[:, [corner, corner - 1]] = False
+    first = np.argmin(np.where(meets, distance, np.inf), axis=1)
+    return np.where(meets.any(axis=1), first, -1), distance[np.arange(len(first)), first]
+
+
+def _ends(
+    points: np.ndarray, corner: int, directions: np.ndarray, edges: np.ndarray, distances: np.ndarray, size: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Edges and ends (d, 2) of the cuts from a corner that meet an edge; an end near a corner is that corner, on the edge before it."""
+    met = edges >= 0
+    edges, following = edges[met], (edges[met] + 1) % len(points)
+    ends = points[corner] + distances[met, None] * directions[met]
+    at_next = np.hypot(*(ends - points[following]).T) <= AT_CORNER * size
+    at_first = np.hypot(*(ends - points[edges]).T) <= AT_CORNER * size
+    ends = np.where(at_first[:, None], points[edges], np.where(at_next[:, None], points[following], ends))
+    return np.where(at_first, (edges - 1) % len(points), edges), ends
