@@ -75,6 +75,13 @@ def test_an_estimate_spans_the_factor_it_states_and_is_told_in_one_unit() -> Non
     assert str(TimeEstimate(0.1, 0.9)) == "less than 1 s" and str(TimeEstimate(400.0, 3700.0)) == "7 min to 1 h"
 
 
+def test_settings_of_its_own_leave_the_time_of_yade_unknown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = shipped.find("two_pads").read_text(encoding="utf-8")
+    (tmp_path / "slow.toml").write_text(f"{text}\n[yade]\nspeed = 1e-9\n", encoding="utf-8")
+    assert main(["show", str(tmp_path / "slow.toml"), "-o", str(tmp_path / "a.png")]) == 0
+    assert "unknown: [yade] sets speed" in " ".join(capsys.readouterr().out.split())
+
+
 def test_show_draws_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     figure = tmp_path / "figure.png"
     assert main(["show", "slab_four_corners", "-o", str(figure), "--json"]) == 0

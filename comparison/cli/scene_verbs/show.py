@@ -32,6 +32,10 @@ from la_core.text_table import number_text
 
 FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
 
+# Settings of YADE that change how many steps it takes: the estimate is for those that follow from the structure.
+PACE = {"speed", "travel_periods", "max_travel", "plateau_travel", "plateau_share", "ramp_time", "gravity_ramp", "gravity_time"}
+PACE |= {"time_step", "settling_step", "time_step_share", "stiffening", "normal_stiffness", "shear_stiffness", "quick_speed", "added_mass"}
+
 
 def execute(context: Context) -> int:
     """Draw a scene and print its facts; raises SceneError, after drawing what is wrong where that has a place."""
@@ -75,7 +79,8 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
     facts["motions"] = [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks)
     facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
-    times = estimated_times(len(assembly.points), finite=assembly.effects.rotation == "finite")
+    facts["own_pace"] = sorted(PACE & scene.yade.keys())
+    times = estimated_times(len(assembly.points), not facts["own_pace"], assembly.effects.rotation == "finite")
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
     facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
@@ -109,6 +114,8 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     for method, words in (("limit_analysis", "limit analysis takes"), ("yade", "YADE takes")):
         if method in facts["estimated_seconds"]:
             table.add_row(words, str(TimeEstimate(*facts["estimated_seconds"][method])), "roughly")
+    if facts["own_pace"]:
+        table.add_row("YADE takes", tables.plain(f"unknown: [yade] sets {', '.join(facts['own_pace'])}"), "")
     return table
 
 
