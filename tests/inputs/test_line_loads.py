@@ -48,6 +48,65 @@ def test_a_line_along_a_joint_is_refused_at_every_angle(angle: float) -> None:
         loaded_wall(angle, ((0.6, 0.0), (0.6, 0.4)))
 
 
+def course(place: tuple[float, float], angle: float, count: int, size: float, load: dict[str, Any]) -> Scene:
+    """A course of `count` blocks of 1.5 x 1 x 0.75 `size` (m) from a place on, turned in plan by an angle in degrees, with a load on it."""
+    wall = {
+        "bond": "stack", "origin": [*place, 0.0], "block": [1.5 * size, size, 0.75 * size], "per_course": count, "courses": 1,
+        "angle": angle, "footing": {"height": size, "settling": [0.0, 1.5 * size]},
+    }  # fmt: skip
+    return built({"wall": [wall], "load": [{"blocks": ["wall 1.*"], **load}], "settlement": {"direction": [0.0, 0.0, -1.0]}})
+
+
+FAR = {
+    "at the origin": ((0.0, 0.0), 0.4),
+    "300 m away": ((300.0, 0.0), 0.4),
+    "10 km away": ((1e4, 1e4), 0.4),
+    "100 km away": ((-1e5, 1e5), 0.4),
+    "a model of millimetres": ((0.0, 0.0), 0.001),
+    "a model of millimetres 10 m away": ((10.0, 10.0), 0.001),
+}
+
+
+@pytest.mark.parametrize(("place", "size"), FAR.values(), ids=FAR)
+@pytest.mark.parametrize("angle", [0.0, 30.0, 123.4])
+def test_a_load_does_not_depend_on_the_origin_or_on_the_unit(angle: float, place: tuple[float, float], size: float) -> None:
+    """Neighbours were said to lie above each other, for a length of round-off that grew with the distance from the origin."""
+    count, along = 12, 12 * 1.5 * size
+    start, end = ((np.array(place) + turned(angle, u, 0.5 * size)).tolist() for u in (0.0, along))
+    on_line = course(place, angle, count, size, {"per": "m", "from": start, "to": end, "force": [0.0, 0.0, -LOAD]})
+    on_area = course(place, angle, count, size, {"per": "m2", "force": [0.0, 0.0, -LOAD]})
+    for scene, each in ((on_line, 1.5 * size), (on_area, 1.5 * size * size)):
+        by_block = np.bincount(scene.loads.block, weights=-scene.loads.force[:, 2] / LOAD)
+        assert by_block[by_block > 0.0] == pytest.approx(np.full(count, each), rel=1e-6)
+        middle = scene.loads.point.mean(axis=0) - np.array([*place, 0.0])
+        assert middle == pytest.approx([*turned(angle, 0.5 * along, 0.5 * size), 0.75 * size], abs=1e-6 * along)
+
+
+@pytest.mark.parametrize(("place", "size"), FAR.values(), ids=FAR)
+@pytest.mark.parametrize("angle", [0.0, 30.0, 123.4])
+def test_a_line_along_a_joint_is_refused_wherever_the_origin_is(angle: float, place: tuple[float, float], size: float) -> None:
+    start, end = ((np.array(place) + turned(angle, 1.5 * size, v)).tolist() for v in (0.0, size))
+    with pytest.raises(SceneError, match="the line runs along a joint between two of them, so that the load would count twice"):
+        course(place, angle, 2, size, {"per": "m", "from": start, "to": end, "force": [0.0, 0.0, -LOAD]})
+
+
+def test_a_line_over_very_many_joints_counts_once() -> None:
+    """Each joint adds the length of round-off: 700 of them were said to be a load that counts twice."""
+    scene = course((0.0, 0.0), 0.0, 700, 0.1, {"per": "m", "from": [0.0, 0.05], "to": [105.0, 0.05], "force": [0.0, 0.0, -LOAD]})
+    assert carried(scene) == pytest.approx(105.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("shift", [0.0, 1e4])
+def test_a_load_on_the_area_of_two_levels_is_refused_wherever_the_origin_is(shift: float) -> None:
+    """The upper block lies over a strip of 1 mm of the lower one."""
+    ground = {"name": "ground", "role": "fixed", "box": {"from": [shift, 0.0, -0.2], "to": [shift + 1.0, 1.0, 0.0]}}
+    lower = {"name": "lower", "box": {"from": [shift, 0.0, 0.0], "to": [shift + 0.5, 1.0, 0.3]}}
+    upper = {"name": "upper", "box": {"from": [shift + 0.499, 0.0, 0.3], "to": [shift + 1.0, 1.0, 0.6]}}
+    load = {"blocks": ["lower", "upper"], "per": "m2", "force": [0.0, 0.0, -LOAD]}
+    with pytest.raises(SceneError, match="some of the chosen top faces lie above each other"):
+        built({"block": [ground, lower, upper], "load": [load], "live": {"direction": [1.0, 0.0, 0.0]}})
+
+
 @pytest.mark.parametrize("across", [0.0, 0.1, 0.4])
 @pytest.mark.parametrize("angle", ANGLES)
 def test_a_line_along_a_wall_lies_on_it_up_to_both_its_faces(angle: float, across: float) -> None:

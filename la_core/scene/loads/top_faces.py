@@ -11,7 +11,8 @@ UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados o
 STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
-ROUND_OFF = 1e-9  # of the largest coordinate, or m: lines this close to an edge lie on it
+ROUND_OFF = 1e-9  # of the extent of the faces: lines this close to an edge lie on it
+LAST_DIGITS = 1e-14  # of the largest coordinate: what double precision leaves of it, after a few operations
 SHORTEST = 4.0  # times round-off: a shorter stretch of a line does not count
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
 
@@ -53,36 +54,33 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
     face = _without_joints(blocks, np.flatnonzero(rise > UPWARD))
     face = _with_flanks(blocks, face, np.flatnonzero((rise > STEEPEST) & (rise <= UPWARD)), chosen)
-    plan = _uncovered(blocks, face, _in_plan(blocks, face))
+    plan, origin, grid = _in_plan(blocks, face)
+    plan = _uncovered(blocks, face, plan, grid)
     if line is None:
-        share, whole = shapely.area(plan), shapely.area(shapely.union_all(plan, grid_size=_grid(plan)))
+        union = shapely.union_all(plan, grid_size=grid)
+        share, whole = shapely.area(plan), float(shapely.area(union))
+        twice = float(share.sum()) - whole - grid * float(shapely.length(union))  # the grid moves the edges of the union
         kept = share > 0.0
         face, share = face[kept], share[kept]
-        middle = shapely.get_coordinates(shapely.centroid(plan[kept])).reshape(-1, 2)
+        middle = origin + shapely.get_coordinates(shapely.centroid(plan[kept])).reshape(-1, 2)
     else:
-        row, low, high, whole = _stretches(plan, blocks.face_block[face], np.array(line))
+        row, low, high, twice = _stretches(plan, blocks.face_block[face], np.array(line) - origin, grid)
         face, share = face[row], high - low
+        whole = float(share.sum()) - twice
         start, end = np.array(line)
         middle = start + 0.5 * (low + high)[:, None] * (end - start) / np.linalg.norm(end - start)
     normal, offset = blocks.face_normal[face], blocks.face_offset[face]
     height = (offset - np.sum(normal[:, :2] * middle, axis=1)) / normal[:, 2]
-    overlaps = bool(share.sum() > (1.0 + COUNTED_TWICE) * float(whole))
-    return Carried(blocks.face_block[face], np.column_stack([middle, height]), share, overlaps)
+    return Carried(blocks.face_block[face], np.column_stack([middle, height]), share, twice > COUNTED_TWICE * whole)
 
 
-def _grid(plan: np.ndarray) -> float:
-    """Length (m) that is round-off beside polygons: GEOS is sure of what it computes on such a grid."""
-    return ROUND_OFF * max(1.0, float(np.abs(shapely.total_bounds(plan)).max())) if len(plan) else ROUND_OFF
+def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Stretches of a line (2, 2) over polygons (N,) of blocks (N,), and the length of the line that counts more than once, m.
 
-
-def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Stretches of a line (2, 2) over polygons (N,) of blocks (N,), and the length of the line over any of them, m.
-
-    Returns the polygon of each stretch and the distances of both its ends from the start of the line. A line along the edge of a polygon
-    lies over it. A stretch over two faces of one block, as along a ridge, counts on one of them.
+    Returns the polygon of each stretch and the distances of both its ends from the start of the line. A line lies over a polygon up to
+    `reach` (m) beside it, as along its edge. A stretch over two faces of one block, as along a ridge, counts on one of them.
     """
     start, length = line[0], float(np.linalg.norm(line[1] - line[0]))
-    reach = _grid(plan)
     over = shapely.intersection(shapely.buffer(plan, reach, join_style="mitre"), shapely.LineString(line))
     pieces, row = shapely.get_parts(np.atleast_1d(over), return_index=True)
     kept = shapely.length(pieces) > SHORTEST * reach  # less is a corner that the line touches
@@ -96,7 +94,8 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray) -> tuple[n
     row, low, high = row[left], low[left], high[left]
     every = np.argsort(low, kind="stable")
     reached = _reached(high[every], np.zeros(len(low), dtype=int), length)
-    return row, low, high, float(np.maximum(high[every] - np.maximum(low[every], reached), 0.0).sum())
+    shared = np.minimum(high[every], reached) - low[every]
+    return row, low, high, float(shared[shared > SHORTEST * reach].sum())  # less is a joint that the line crosses
 
 
 def _reached(high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
@@ -156,15 +155,24 @@ def _covered(blocks: Blocks, face: np.ndarray, by: np.ndarray | None = None) -> 
     return np.asarray(area[face] / shapely.area(face_polygons(parts, face, face)))
 
 
-def _in_plan(blocks: Blocks, face: np.ndarray) -> np.ndarray:
-    """Polygons (N,) of the faces (N,) seen from above."""
-    _, corners = face_corners(blocks, face)
-    return polygons_of(corners[:, :2], np.diff(blocks.face_start)[face])
+def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Polygons (N,) of the faces (N,) seen from above, the place (2,) that they are drawn from, m, and the length that is round-off, m.
+
+    They are drawn from their own middle, so that nothing depends on where the scene has its origin. GEOS is sure of what it computes on
+    a grid of the length that is round-off.
+    """
+    if not len(face):
+        return np.zeros(0, dtype=object), np.zeros(2), ROUND_OFF
+    corners = face_corners(blocks, face)[1][:, :2]
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    origin = 0.5 * (low + high)
+    grid = max(ROUND_OFF * float((high - low).max()), LAST_DIGITS * float(np.abs(corners).max()))
+    return polygons_of(corners - origin, np.diff(blocks.face_start)[face]), origin, grid
 
 
-def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray) -> np.ndarray:
+def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, grid: float) -> np.ndarray:
     """The polygons (N,) without what lies under a higher face of the same block: only compound blocks have such parts."""
-    uncovered, owner, grid = plan.copy(), blocks.face_block[face], _grid(plan)
+    uncovered, owner = plan.copy(), blocks.face_block[face]
     for block in np.flatnonzero(blocks.is_compound):
         own = np.flatnonzero(owner == block)
         top = [blocks.vertices[blocks.face_vertex[blocks.face_start[k] : blocks.face_start[k + 1]], 2].max() for k in face[own]]
