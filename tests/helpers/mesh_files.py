@@ -48,11 +48,22 @@ def obj(bodies: dict[str, Corners], faces: Sequence[Sequence[int]] = BOX_FACES, 
     return "\n".join(lines) + "\n"
 
 
-def ply(vertices: Corners) -> str:
-    head = ["ply", "format ascii 1.0", "comment TextureFile /etc/passwd", f"element vertex {len(vertices)}"]
-    head += [f"property double {axis}" for axis in "xyz"] + [f"element face {len(BOX_FACES)}", "property list uchar int vertex_indices"]
-    rows = [" ".join(map(repr, point)) for point in vertices.tolist()] + ["4 " + " ".join(map(str, face)) for face in BOX_FACES]
-    return "\n".join([*head, "end_header", *rows]) + "\n"
+def ply(vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: str = "vertex_indices") -> str:
+    rows = [" ".join(map(repr, point)) for point in vertices.tolist()] + [" ".join(map(str, [len(face), *face])) for face in faces]
+    return "\n".join([*_ply_head("ascii", len(vertices), len(faces), indices), *rows]) + "\n"
+
+
+def binary_ply(vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: str = "vertex_indices") -> bytes:
+    """Big-endian."""
+    rows = [struct.pack(">3d", *point) for point in vertices.tolist()]
+    rows += [struct.pack(f">B{len(face)}i", len(face), *face) for face in faces]
+    return "\n".join([*_ply_head("binary_big_endian", len(vertices), len(faces), indices), ""]).encode() + b"".join(rows)
+
+
+def _ply_head(form: str, vertices: int, faces: int, indices: str) -> list[str]:
+    head = ["ply", f"format {form} 1.0", "comment TextureFile /etc/passwd", f"element vertex {vertices}"]
+    head += [f"property double {axis}" for axis in "xyz"]
+    return [*head, f"element face {faces}", f"property list uchar int {indices}", "end_header"]
 
 
 def stl(vertices: Corners, triangles: Sequence[Sequence[int]] = TRIANGLES) -> bytes:

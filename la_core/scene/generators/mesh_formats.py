@@ -27,7 +27,7 @@ def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
         return _obj_surfaces(content.decode("utf-8", errors="replace"), stem)
     if suffix == ".json":
         return _compas_surfaces(content)
-    return _triangle_surfaces(suffix, content, stem)
+    return _surfaces_by_trimesh(suffix, content, stem)
 
 
 def _obj_surfaces(text: str, stem: str) -> list[Surface]:
@@ -69,20 +69,42 @@ def _obj_face(text: str, count: int) -> tuple[int, ...]:
     return face
 
 
-def _triangle_surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
+def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface]:
     """Bodies of a PLY or STL file by trimesh, without a resolver that would open textures, and without repairs."""
     import trimesh  # noqa: PLC0415 - an optional extra
 
     try:
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
-        bodies = {str(name): (np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)) for name, mesh in loaded.geometry.items()}
+        bodies = {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
     except ImportError as error:  # trimesh takes bytes that are no STL for text in an unknown encoding, and has no package for that
         raise ValueError(f"not a whole {suffix[1:].upper()} file: it is cut off, or damaged") from error
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"not a whole {suffix[1:].upper()} file: {error or type(error).__name__}") from error
-    if any(faces.size and not 0 <= faces.min() <= faces.max() < len(vertices) for vertices, faces in bodies.values()):
-        raise ValueError("a face refers to a vertex that does not exist")
-    return [surface(stem if len(bodies) == 1 else name, vertices, faces.tolist()) for name, (vertices, faces) in bodies.items()]
+    for vertices, faces in bodies.values():
+        if faces and not 0 <= min(map(min, faces)) <= max(map(max, faces)) < len(vertices):
+            raise ValueError("a face refers to a vertex that does not exist")
+    return [surface(stem if len(bodies) == 1 else name, vertices, faces) for name, (vertices, faces) in bodies.items()]
+
+
+def _vertices_and_faces(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
+    """Vertices (n, 3) of a mesh by trimesh, and the loop of each face.
+
+    The faces of a PLY file are those of the file. trimesh divides them into triangles about their first corners, which lie partly outside
+    of a face with dents.
+    """
+    vertices, triangles = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)
+    raw = mesh.metadata.get("_ply_raw")
+    if raw is None:
+        return vertices, triangles.tolist()
+    # trimesh keeps columns by their names for a file in text, and an array of records, with the length of each list, for a binary one.
+    faces, is_text = raw["face"]["data"], isinstance(raw["face"]["data"], dict)
+    names = list(faces if is_text else faces.dtype.names)
+    name = next((name for name in names if name in ("vertex_index", "vertex_indices")), names[0])
+    loops = faces[name] if is_text else faces[name]["f1"]
+    if loops.dtype != object:  # lists of one length; of a single list, trimesh keeps its numbers alone
+        loops = np.atleast_2d(loops)
+    vertices = np.column_stack([raw["vertex"]["data"][axis] for axis in "xyz"]).astype(float)
+    return vertices, [loop.tolist() for loop in loops if len(loop) >= 3]
 
 
 class _NotReadError(ValueError):

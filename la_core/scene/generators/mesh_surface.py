@@ -203,6 +203,10 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
         ends = [shapely.union_all(side, grid_size=WELD * size) for side in sides]
         if any(end.geom_type != "Polygon" or end.is_empty or len(end.interiors) for end in ends):
             continue
+        # What the sides enclose between the ends is held against the ends: their corners may be off by the slack, and nothing else.
+        filled = (high - low) * shapely.area(ends)
+        if np.abs(filled - volume).max() > min(FOLDED * volume, slack * float(length.sum()) / 2.0):
+            continue
         between = shapely.points(flat[(height > low + slack) & (height < high - slack)])
         is_same = shapely.hausdorff_distance(ends[0].exterior, ends[1].exterior) <= slack
         if is_same and np.all(shapely.distance(between, ends[0].exterior) <= slack):

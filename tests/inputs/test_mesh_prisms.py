@@ -1,0 +1,90 @@
+"""Prisms of a profile with dents in mesh files: the outline of their ends, by any format and any division into triangles."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mesh_files import binary_ply, obj, ply, reaction, written
+from scipy.spatial import ConvexHull
+
+from la_core.geometry import find_interfaces
+from la_core.scene.generators.mesh_formats import surfaces
+from la_core.scene.generators.mesh_surface import shape_of, surface
+from la_core.scene.scene import load_scene
+
+Profile = Sequence[tuple[float, float]]
+Faces = list[tuple[int, ...]]
+# A stone on two legs, with an opening of 0.2 x 0.2 between them: 0.5 - 0.04 in area.
+LEGS = ((0.0, 0.0), (0.4, 0.0), (0.4, 0.2), (0.6, 0.2), (0.6, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5))
+DEPTH = 0.2
+LEGS_VOLUME = (0.5 - 0.04) * DEPTH
+PADS = "\n".join(
+    f'[[block]]\nname = "{name}"\nrole = "{role}"\nbox = {{ from = [{low}, 0.0, -0.1], to = [{high}, {DEPTH}, 0.0] }}'
+    for name, role, low, high in (("left", "fixed", 0.0, 0.4), ("right", "support", 0.6, 1.0))
+)
+
+
+def body(profile: Profile, ends: Sequence[Sequence[int]] | None = None) -> tuple[np.ndarray, Faces]:
+    """A prism along y: its profile, counter-clockwise, at y = 0 and at DEPTH; faces of the first end, by default one."""
+    n = len(profile)
+    vertices = np.array([[x, y, z] for y in (0.0, DEPTH) for x, z in profile])
+    front = [tuple(face) for face in ends or [range(n)]]
+    back = [tuple(n + corner for corner in face[::-1]) for face in front]
+    return vertices, [*front, *back, *((k, n + k, n + (k + 1) % n, (k + 1) % n) for k in range(n))]
+
+
+def on_pads(folder: Path, file: str, content: str | bytes) -> Path:
+    path = written(folder, file, content, fixed=[], support=[])
+    path.write_text(f"{path.read_text()}\n{PADS}\n")
+    return path
+
+
+def volume(vertices: np.ndarray, faces: Faces) -> float:
+    shape = shape_of(surface("body", vertices, faces))[0]
+    return float(sum(ConvexHull(part.vertices).volume for part in shape.parts))
+
+
+@pytest.mark.parametrize("first", range(len(LEGS)))
+@pytest.mark.parametrize("indices", ["vertex_indices", "vertex_index"])
+def test_faces_of_a_ply_keep_their_outline(indices: str, first: int, tmp_path: Path) -> None:
+    """Of two legs, the right one settles: the stone turns about the inner edge of the left leg, so that the weight W at x = 0.5 has
+    R (1 - 0.4) = W (0.5 - 0.4). Triangles about the first corner of an end lay in the opening, and gave 0.169 W."""
+    vertices, faces = body(LEGS[first:] + LEGS[:first])
+    scene = load_scene(on_pads(tmp_path, "legs.ply", ply(vertices, faces, indices)))
+    assert scene.blocks.volume[scene.blocks.names.index("legs")] == pytest.approx(LEGS_VOLUME)
+    assert len(find_interfaces(scene.blocks)) == 2
+    assert reaction(scene) == pytest.approx(0.1 / 0.6, abs=1e-6)
+
+
+@pytest.mark.parametrize("write", [ply, lambda vertices, faces: obj({"legs": vertices}, faces)], ids=["PLY", "OBJ"])
+def test_two_faces_may_share_three_corners_of_a_line(write: Callable[[np.ndarray, Faces], str]) -> None:
+    """A corner in the middle of the upper edges. Triangles about the corner before it ran along one edge four times."""
+    profile = (*LEGS[:7], (0.5, 0.5), LEGS[7])
+    vertices, faces = body(profile[6:] + profile[:6])  # (1, 0.5), (0.5, 0.5), (0, 0.5) come first
+    n = len(profile)
+    faces = [face for face in faces if face not in ((0, n, n + 1, 1), (1, n + 1, n + 2, 2))] + [(0, n, n + 1, n + 2, 2, 1)]
+    suffix = ".ply" if write is ply else ".obj"
+    read = surfaces(suffix, write(vertices, faces).encode(), "legs")[0]
+    assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
+
+
+def test_triangles_of_a_binary_ply_are_read() -> None:
+    triangles = [(0, 1, 2), (0, 2, 7), (2, 6, 7), (2, 3, 6), (3, 5, 6), (3, 4, 5)]
+    vertices, faces = body(LEGS, triangles)
+    faces = [triangle for face in faces for triangle in ([face] if len(face) == 3 else [face[:3], (face[0], *face[2:])])]
+    read = surfaces(".ply", binary_ply(vertices, faces), "legs")[0]
+    assert len(read.faces) == len(faces)
+    assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
+
+
+def test_a_body_whose_sides_fill_a_part_of_its_dent_is_no_prism() -> None:
+    """A cube with a rebate of 0.1 x 0.1 along an edge. Sides across a diagonal fill a sixth of it, less than a hundredth of the cube."""
+    profile = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.9), (0.9, 0.9), (0.9, 1.0), (0.0, 1.0))
+    vertices, faces = body(profile)
+    vertices = vertices * [1.0, 1.0 / DEPTH, 1.0]
+    assert volume(vertices, faces) == pytest.approx(0.99)
+    sides = {(2, 8, 9, 3), (3, 9, 10, 4)}
+    filled = [face for face in faces if face not in sides] + [(2, 10, 3), (3, 10, 4), (2, 9, 10), (2, 8, 9)]
+    with pytest.raises(ValueError, match="is not convex: its deepest dent"):
+        volume(vertices, filled)
