@@ -29,13 +29,16 @@ def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
     return parts
 
 
-def without_straight_corners(points: np.ndarray) -> np.ndarray:
-    """The profile (n, 2) without corners that lie on the line between their neighbours, or twice on one point."""
+def without_straight_corners(points: np.ndarray, flatness: float = FLATNESS) -> np.ndarray:
+    """The profile (n, 2) without corners that lie on the line between their neighbours, or twice on one point.
+
+    flatness: distance from the line that counts as none, over the size of the profile.
+    """
     size = np.ptp(points, axis=0).max()
     while len(points) > 2:
         arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
         reach = np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T))
-        straight = np.abs(_turns(points)) <= FLATNESS * size * reach
+        straight = np.abs(_turns(points)) <= flatness * size * reach
         if not straight.any():
             break
         # Only one goes at a time: without it, its neighbours must be judged anew.

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mesh_files import binary_ply, obj, ply, reaction, written
+from mesh_files import binary_ply, obj, ply, reaction, stl, written
 from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from la_core.geometry import find_interfaces
 from la_core.scene.generators.mesh_formats import surfaces
@@ -32,6 +33,11 @@ def body(profile: Profile, ends: Sequence[Sequence[int]] | None = None) -> tuple
     front = [tuple(face) for face in ends or [range(n)]]
     back = [tuple(n + corner for corner in face[::-1]) for face in front]
     return vertices, [*front, *back, *((k, n + k, n + (k + 1) % n, (k + 1) % n) for k in range(n))]
+
+
+def in_triangles(faces: Faces) -> Faces:
+    """The faces with those of four corners, the sides, as two triangles each."""
+    return [triangle for face in faces for triangle in ([face] if len(face) == 3 else [face[:3], (face[0], *face[2:])])]
 
 
 def on_pads(folder: Path, file: str, content: str | bytes) -> Path:
@@ -72,10 +78,63 @@ def test_two_faces_may_share_three_corners_of_a_line(write: Callable[[np.ndarray
 def test_triangles_of_a_binary_ply_are_read() -> None:
     triangles = [(0, 1, 2), (0, 2, 7), (2, 6, 7), (2, 3, 6), (3, 5, 6), (3, 4, 5)]
     vertices, faces = body(LEGS, triangles)
-    faces = [triangle for face in faces for triangle in ([face] if len(face) == 3 else [face[:3], (face[0], *face[2:])])]
+    faces = in_triangles(faces)
     read = surfaces(".ply", binary_ply(vertices, faces), "legs")[0]
     assert len(read.faces) == len(faces)
     assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
+
+
+@pytest.mark.parametrize("segments", [6, 10, 20, 30])
+def test_a_triangulated_stone_over_a_curved_opening_is_read_at_every_angle(segments: int) -> None:
+    """Areas of triangles that were united kept holes, or lost corners, at every second angle."""
+    low, high, length, rise = 0.289, 0.83, 1.13, 0.471
+    angle = np.linspace(np.pi, 0.0, segments + 1)[1:-1]
+    middle, radius = 0.5 * (low + high), 0.5 * (high - low)
+    arc = [(middle + radius * np.cos(a), 0.9 * radius * np.sin(a)) for a in angle]
+    profile = [(0.0, 0.0), (low, 0.0), *arc, (high, 0.0), (length, 0.0), (length, rise), (0.0, rise)]
+    n, crown = len(profile), 1 + segments // 2
+    left, right = n - 1, n - 2  # the upper corners see a half of the opening each
+    ends = [(left, k, k + 1) for k in range(crown)] + [(left, crown, right)] + [(right, k, k + 1) for k in range(crown, n - 3)]
+    vertices, faces = body(profile, ends)
+    # The opening has its triangles about the middle of its springing.
+    opening = 0.5 * 0.9 * radius**2 * segments * np.sin(np.pi / segments)
+    for degrees in np.random.default_rng(0).uniform(-180.0, 180.0, 25):
+        turned = vertices @ Rotation.from_euler("z", degrees, degrees=True).as_matrix().T
+        assert volume(turned, in_triangles(faces)) == pytest.approx((length * rise - opening) * DEPTH, rel=1e-9)
+
+
+def test_triangles_without_area_in_the_ends_of_a_stone_change_nothing() -> None:
+    """A corner in the middle of the upper edge: a triangle without area joins it to the ends of the edge."""
+    profile = (*LEGS[:7], (0.5, 0.5), LEGS[7])
+    vertices, faces = body(profile, [(0, 1, 2), (0, 2, 8), (2, 6, 8), (2, 3, 6), (3, 5, 6), (3, 4, 5), (6, 7, 8)])
+    assert volume(vertices, in_triangles(faces)) == pytest.approx(LEGS_VOLUME)
+
+
+def test_triangles_that_lie_outside_of_a_face_with_dents_keep_its_outline() -> None:
+    """As programs write an STL file that divide every face about its first corner."""
+    n = len(LEGS)
+    vertices, faces = body(LEGS, [(0, k, k + 1) for k in range(1, n - 1)])
+    read = surfaces(".stl", stl(vertices, in_triangles(faces)), "legs")[0]
+    assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_corners_of_a_straight_edge_may_be_bent_inwards_by_single_precision(seed: int) -> None:
+    """A quoin whose bed has corners at its thirds, 30 m from the origin. From a corner that is bent so little, no cut was found."""
+    profile = [(0.0, 0.0), (1.0 / 3.0, 0.0), (2.0 / 3.0, 0.0), (1.0, 0.0), (1.0, 0.4), (0.3, 0.4), (0.3, 1.0), (0.0, 1.0), (0.0, 0.5)]
+    vertices, faces = body(profile)
+    turned = vertices @ Rotation.random(random_state=seed).as_matrix().T + 30.0
+    single = turned.astype(np.float32).astype(float)
+    assert volume(single, faces) == pytest.approx(0.58 * DEPTH, rel=1e-4)
+
+
+def test_an_end_with_a_corner_beside_its_plane_is_refused() -> None:
+    """The corner in the edge of the left side lies 10 mm behind the end; the triangles about the first corner hide it."""
+    profile = (*LEGS, (0.0, 0.2))
+    vertices, faces = body(profile)
+    vertices[len(LEGS), 1] = 0.01
+    with pytest.raises(ValueError, match="is not convex: its deepest dent"):
+        volume(vertices, faces)
 
 
 def test_a_body_whose_sides_fill_a_part_of_its_dent_is_no_prism() -> None:

@@ -20,6 +20,7 @@ WELD = 1e-6  # of the body's size: corners closer than this are one; single prec
 MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
 MOST_PROFILE = 100  # corners of a profile with dents: to divide it into convex parts takes a second, and eight for twice as many
 MOST_DENT = 0.02  # m: an error of the coordinates is smaller
+STRAIGHT = (1e-9, 1e-6, 1e-5, FACE_FLATNESS)  # of the size: corners this close to a line lie on it; the least one that will do is taken
 FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
 
 
@@ -197,11 +198,8 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
         enclosed = [abs(float((area[on_end] @ normal).sum())) / 2.0 * (high - low) for on_end in on_ends]
         if not np.allclose(enclosed, volume, rtol=FOLDED, atol=0.0):  # most planes of a body with many corners are told by this alone
             continue
-        sides = [[shapely.Polygon(flat[face]) for face in faces if np.abs(height[face] - at).max() <= slack] for at in (high, low)]
-        if not all(shapely.is_valid(side).all() for side in sides):
-            continue
-        ends = [shapely.union_all(side, grid_size=WELD * size) for side in sides]
-        if any(end.geom_type != "Polygon" or end.is_empty or len(end.interiors) for end in ends):
+        ends = [_outline(flat, [face for face in faces if np.abs(height[face] - at).max() <= slack]) for at in (high, low)]
+        if any(end.is_empty for end in ends):
             continue
         # What the sides enclose between the ends is held against the ends: their corners may be off by the slack, and nothing else.
         filled = (high - low) * shapely.area(ends)
@@ -210,13 +208,50 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
         between = shapely.points(flat[(height > low + slack) & (height < high - slack)])
         is_same = shapely.hausdorff_distance(ends[0].exterior, ends[1].exterior) <= slack
         if is_same and np.all(shapely.distance(between, ends[0].exterior) <= slack):
-            outline = shapely.get_coordinates(orient(ends[0]).exterior)[:-1]
-            profile = without_straight_corners(outline)
-            if len(profile) > MOST_PROFILE:
-                raise ValueError(f"is a prism of a profile with dents and {len(profile)} corners; at most {MOST_PROFILE} can be divided")
-            front = profile @ axes + high * normal
-            return divided_loft(front, front - (high - low) * normal, normal)
+            return _divided(ends[0], axes, normal, (low, high), slack)
     return None
+
+
+def _divided(outline: shapely.Polygon, axes: np.ndarray, normal: np.ndarray, heights: tuple[float, float], slack: float) -> Shape:
+    """The prism of an outline in the plane of two axes (2, 3) between two heights along their unit normal (3,), m.
+
+    Inexact coordinates bend straight edges inwards at their corners, from where no cut may lead. Where the outline cannot be divided, such
+    corners are left out, as long as it moves by no more than the slack, m.
+    """
+    points, (low, high) = shapely.get_coordinates(orient(outline).exterior)[:-1], heights
+    fault = ValueError("the outline cannot be divided")
+    for flatness in STRAIGHT:
+        profile = without_straight_corners(points, flatness)
+        if len(profile) > MOST_PROFILE:
+            raise ValueError(f"is a prism of a profile with dents and {len(profile)} corners; at most {MOST_PROFILE} can be divided")
+        if len(profile) < 3 or shapely.hausdorff_distance(shapely.LinearRing(profile), outline.exterior) > slack:
+            break
+        front = profile @ axes + high * normal
+        try:
+            return divided_loft(front, front - (high - low) * normal, normal)
+        except ValueError as error:
+            fault = error
+    raise fault
+
+
+def _outline(flat: np.ndarray, faces: list[np.ndarray]) -> shapely.Polygon:
+    """The polygon that faces of corners `flat` (n, 2) in a plane fill together; an empty one where they have holes, are apart, or cross.
+
+    Its edges are those that no other of the faces runs along the other way. No areas are united: round-off leaves holes between them, and
+    the triangles of a face with dents may lie outside of it, or have no area.
+    """
+    if not faces:  # a face may leave the plane where some of its triangles do not
+        return shapely.Polygon()
+    ends = np.stack([np.concatenate(faces), np.concatenate([np.roll(face, -1) for face in faces])], axis=1)
+    rim = ends[~np.isin(ends @ [len(flat), 1], ends @ [1, len(flat)])]
+    tail, head = rim[np.argsort(rim[:, 0])].T
+    if len(rim) < 3 or np.any(tail[1:] == tail[:-1]):  # several edges begin at a corner where the outline touches itself
+        return shapely.Polygon()
+    after, ring = np.searchsorted(tail, head), [0]
+    while after[ring[-1]] != 0:
+        ring.append(int(after[ring[-1]]))
+    outline = shapely.Polygon(flat[tail[ring]])
+    return outline if len(ring) == len(rim) and outline.is_valid else shapely.Polygon()
 
 
 def _advice(dent: float) -> str:
