@@ -8,8 +8,8 @@ import scipy
 import shapely
 
 from la_core.drawing.curves import Curves
-from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, within
-from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched
+from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, retraced, within
+from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, touched
 from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
 from la_core.text_table import place_text
 

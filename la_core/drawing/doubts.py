@@ -14,6 +14,13 @@ LONG_REST = 0.25  # of the root of a block's area: a shorter part of a line that
 LINED = 0.1  # of its edge: an area is meant by lines if they bound so much of it
 
 
+def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: float) -> np.ndarray:
+    """Mask of the lines (n, 2) that run along outlines (n, 2) all the way, to within `near` (m): edges that are drawn again."""
+    if not lines or not outlines:
+        return np.zeros(len(lines), dtype=bool)
+    return share_near(strings_of(lines), shapely.boundary(outline_polygons(outlines)), near) == 1.0
+
+
 def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
     """Mask of the lines (n, 2) of which most lies in outlines, and not on their edges."""
     if not lines or not outlines:

@@ -60,7 +60,8 @@ def enclosed(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines:
     is_around = shapely.get_num_interior_rings(faces) > 0
     inner = faces[~is_around]
     idle = share_near(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
-    loose = np.concatenate([shapely.get_parts(cuts), shapely.get_parts(dangles)])
+    loose = np.concatenate([shapely.get_parts(cuts), shapely.get_parts(dangles)]) if not idle.all() else np.zeros(0, dtype=object)
+    loose = loose[shapely.length(loose) > 4.0 * snap]  # less is a careless end, or the reach of one
     rests = loose[share_near(loose, drawn[: len(lines)][idle], snap) < 0.5]
     return Enclosed(_corners(inner), idle, _corners(faces[is_around]), [shapely.get_coordinates(rest) for rest in rests])
 
@@ -96,13 +97,6 @@ def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: f
         rings = np.array([shapely.LinearRing(outline) for outline in outlines])
         mask[shapely.STRtree(rings).query(strings_of(lines), predicate="dwithin", distance=near)[1]] = True
     return mask
-
-
-def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: float) -> np.ndarray:
-    """Mask of the lines (n, 2) that run along outlines (n, 2) all the way, to within `near` (m): edges that are drawn again."""
-    if not lines or not outlines:
-        return np.zeros(len(lines), dtype=bool)
-    return share_near(strings_of(lines), shapely.boundary(outline_polygons(outlines)), near) == 1.0
 
 
 def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -163,7 +157,7 @@ def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> l
     rings = np.array([shapely.LinearRing(outlines[k]) for k in curved])
     corners = np.concatenate(outlines)
     corner, on = shapely.STRtree(rings).query(shapely.points(corners), predicate="dwithin", distance=snap + curves.sagitta)
-    polygons = np.asarray(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
+    polygons = outline_polygons(outlines)
     pairs, pair = np.unique(np.stack([owner[corner], on]), axis=1, return_inverse=True)
     touch = shapely.dwithin(polygons[pairs[0]], polygons[curved][pairs[1]], TOUCHING)  # open joints stay as they are drawn
     corner, on = corner[touch[pair.ravel()]], on[touch[pair.ravel()]]
@@ -241,10 +235,10 @@ def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None) ->
     joined = scipy.sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
     count, group = scipy.sparse.csgraph.connected_components(joined, directed=False)
     first = np.unique(group, return_index=True)[1][group]
-    extent = np.full((count, 2), -np.inf), np.full((count, 2), -np.inf)
-    for sign, most in zip((1.0, -1.0), extent, strict=True):
-        np.maximum.at(most, group, sign * points)
-    is_crowd = (extent[0] + extent[1]).max(axis=1) > SPREAD * snap
+    order = np.argsort(group, kind="stable")
+    starts = np.searchsorted(group[order], np.arange(count))
+    extent = np.maximum.reduceat(points[order], starts) - np.minimum.reduceat(points[order], starts)
+    is_crowd = extent.max(axis=1) > SPREAD * snap
     alike, times = np.unique(np.stack([group, owner]), axis=1, return_counts=True)
     is_crowd[alike[0][times > 1]] = True
     if is_crowd.any():
@@ -256,17 +250,27 @@ def _divided_chains(
     points: np.ndarray, pairs: np.ndarray, first: np.ndarray, crowd: np.ndarray, widest: float, owner: np.ndarray
 ) -> np.ndarray:
     """First point (n,) that each one meets, where those of a crowd (indices) meet pair by pair, the nearest first, within `widest` (m)."""
-    first = first.copy()
-    first[crowd] = crowd
-    members = {k: [k] for k in crowd.tolist()}
-    number = owner.tolist()
-    for j, k in pairs[np.argsort(np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T), kind="stable")].tolist():
-        one, other = sorted((int(first[j]), int(first[k])))
-        both = members[one] + members[other] if one != other else []
-        if both and len({number[m] for m in both}) == len(both) and np.ptp(points[both], axis=0).max() <= widest:
-            first[members.pop(other)] = one
-            members[one] = both
-    return first
+    root, owners = first.tolist(), {}
+    boxes: dict[int, tuple[float, float, float, float]] = {}
+    for k, x, z, number in zip(crowd.tolist(), *points[crowd].T.tolist(), owner[crowd].tolist(), strict=True):
+        root[k], owners[k], boxes[k] = k, {number}, (x, x, z, z)
+
+    def found(k: int) -> int:
+        while root[k] != k:
+            root[k] = k = root[root[k]]
+        return k
+
+    near = np.argsort(np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T), kind="stable")
+    for j, k in pairs[near].tolist():
+        one, other = sorted((found(j), found(k)))
+        if one == other or not owners[one].isdisjoint(owners[other]):
+            continue
+        (a, b, c, d), (e, f, g, h) = boxes[one], boxes[other]
+        box = min(a, e), max(b, f), min(c, g), max(d, h)
+        if max(box[1] - box[0], box[3] - box[2]) <= widest:
+            root[other], boxes[one] = one, box
+            owners[one] |= owners.pop(other)
+    return np.array([found(k) for k in root])
 
 
 def _through(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
