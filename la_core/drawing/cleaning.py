@@ -214,6 +214,8 @@ def _lost(found: _Found, drawn: Drawn, snap: float, curves: Curves) -> tuple[tup
         around = [points for _, points in found.around]
         alike = [outline.points for outline in found.outlines if outline.place == (layer, colour)]
         here = areas_without_outline(lines, [*alike, *around, *told], rings, snap, curves) if drawn.outlines else []
+        if not alike:  # dimensions and the like lie on layers without stones
+            continue
         meets = nearly_enclosing(idle, every, rings, snap) & ~retraced(idle, [*here, *around, *told], 2.0 * snap)
         edges += [(layer, line) for line, is_told in zip(idle, meets, strict=True) if is_told]
         areas += [(layer, area) for area in here]

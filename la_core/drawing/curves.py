@@ -52,6 +52,33 @@ def with_points(line: np.ndarray, points: np.ndarray, snap: float, curves: Curve
     return np.insert(line, chord[first] + 1, points[point[first]], axis=0)
 
 
+def through_ends(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
+    """Lines that go through the ends of other lines on them; a lone end (lines, 2) on a straight line reaches it by itself."""
+    ends, lone = np.concatenate([line[[0, -1]] for line in lines]), lone.ravel()
+    strings, tips = np.array([shapely.LineString(line) for line in lines]), shapely.points(ends)
+    tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + curves.sagitta)
+    for end in (0, -1):
+        apart = ~shapely.dwithin(tips[tip], shapely.get_point(strings[line], end), snap)
+        tip, line = tip[apart], line[apart]
+    through = list(lines)
+    for j in np.unique(line).tolist():
+        on_it = tip[line == j]
+        through[j] = with_points(lines[j], ends[on_it], snap, curves, lone[on_it])
+    return through
+
+
+def reaching(line: np.ndarray, free: np.ndarray, reach: float) -> shapely.LineString:
+    """A line whose free ends (2,) reach on by `reach` (m)."""
+    before = [line[0] + _ahead(line[1], line[0], reach)] if free[0] else []
+    after = [line[-1] + _ahead(line[-2], line[-1], reach)] if free[1] else []
+    return shapely.LineString(np.concatenate([np.reshape(before, (-1, 2)), line, np.reshape(after, (-1, 2))]))
+
+
+def _ahead(start: np.ndarray, end: np.ndarray, reach: float) -> np.ndarray:
+    length = float(np.hypot(*(end - start)))
+    return (end - start) * (reach / length) if length > 0.0 else np.zeros(2)
+
+
 def _places_on(
     line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

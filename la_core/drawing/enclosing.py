@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 import shapely
 
-from la_core.drawing.curves import Curves, with_points
+from la_core.drawing.curves import Curves, reaching, through_ends, with_points
 
 SAMPLES = 8  # points of a line that tell where most of it lies
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
@@ -18,6 +18,7 @@ MOST_CROSSINGS = 200_000  # of lines: they enclose about as many outlines, and a
 SAMPLED, COMMON = 300, 0.9  # lines of which crossings are counted, and the share of them that counts: a few may cross all others
 SPREAD = 2.0  # times the distance within which ends meet: most that ends which meet lie apart along x or z
 CLOSING = 0.5  # of its length: a line whose ends are closer than this turns back
+EXACT = 0.05  # of the largest error of coordinates: what is drawn as near to a line is drawn on it
 
 
 @dataclass(frozen=True)
@@ -45,16 +46,16 @@ class Enclosed:
 def enclosed(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray] = ()) -> Enclosed:
     """Find the outlines that lines (n, 2) enclose together.
 
-    Coordinates are off by up to `snap` (m), so ends and corners of lines within twice as much meet. An end that meets no other
+    Coordinates are off by up to `snap` (m), so ends and corners of lines meet as `_joined` says. An end that meets no other
     reaches on by twice as much, so that a line that stops just short of another one meets it. Where a line ends on one of the curves of the
     drawing, the chords of the curve go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
     that runs along one that stays whole does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
     """
     _refuse_a_tangle(lines)
     every = [*lines, *(np.concatenate([outline, outline[:1]]) for outline in outlines)]
-    joined, lone = _joined(every, 2.0 * snap)
-    joined = _through(joined, lone, snap, curves)
-    drawn = np.array([_reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone, strict=True)])
+    joined, lone = _joined(every, snap)
+    joined = through_ends(joined, lone, snap, curves)
+    drawn = np.array([reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone, strict=True)])
     faces, cuts, dangles, _ = shapely.polygonize_full(shapely.get_parts(shapely.unary_union(drawn)))
     faces = shapely.get_parts(faces)
     is_around = shapely.get_num_interior_rings(faces) > 0
@@ -200,21 +201,35 @@ def share_near(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray
     return np.asarray(hit.reshape(-1, SAMPLES).mean(axis=1))
 
 
-def _turns_back(line: np.ndarray) -> bool:
-    """Whether the ends of a line (n, 2) are close to each other, as those of an outline that is drawn as a line."""
-    return len(line) > 2 and float(np.hypot(*(line[-1] - line[0]))) < CLOSING * float(np.hypot(*np.diff(line, axis=0).T).sum())
+def _is_ring(line: np.ndarray, near: float) -> bool:
+    """Whether a line (n, 2) is an outline: its ends are within `near` (m), and close to each other beside its length."""
+    apart = float(np.hypot(*(line[-1] - line[0])))
+    return len(line) > 3 and apart <= near and apart < CLOSING * float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
 def _joined(lines: Sequence[np.ndarray], snap: float) -> tuple[list[np.ndarray], np.ndarray]:
-    """Lines (n, 2) whose ends and corners within `snap` (m) meet, and the mask (lines, 2) of the ends that meet nothing."""
-    stop = np.cumsum([len(line) for line in lines])
+    """Lines (n, 2) whose ends and corners within `snap` (m) meet, and the mask (lines, 2) of the ends that meet nothing.
+
+    Two ends that are each off by `snap` lie within twice as much. So an end that is not drawn exactly on another line meets what is so
+    near. Other ends and corners do not, for they may lie on both sides of an open joint.
+    """
+    is_ring = np.array([_is_ring(line, 2.0 * snap) for line in lines])
+    open_lines = [line[:-1] if ring else line for line, ring in zip(lines, is_ring, strict=True)]
+    stop = np.cumsum([len(line) for line in open_lines])
     start = np.concatenate([[0], stop[:-1]])
     owner = np.repeat(np.arange(len(lines)), stop - start)
-    owner[stop - 1] += np.where([_turns_back(line) for line in lines], len(lines), 0)  # the ends of such a line may meet
-    points = _merged(np.concatenate(lines), snap, owner)
+    points = np.concatenate(open_lines)
+    ends = np.stack([start, stop - 1], axis=1)[~is_ring].ravel()
+    tip, line = shapely.STRtree(strings_of(lines)).query(shapely.points(points[ends]), predicate="dwithin", distance=EXACT * snap)
+    seeking = np.zeros(len(points), dtype=bool)
+    seeking[ends] = True
+    seeking[ends[tip[owner[ends[tip]] != line]]] = False
+    points = _merged(_merged(points, snap, owner), 2.0 * snap, owner, seeking)
     _, number, uses = np.unique(points, axis=0, return_inverse=True, return_counts=True)
-    lone = uses[number.ravel()[np.stack([start, stop - 1], axis=1)]] == 1
-    return [_without_repeats(points[first:last]) for first, last in zip(start, stop, strict=True)], lone
+    lone = np.zeros((len(lines), 2), dtype=bool)
+    lone[~is_ring] = (uses[number.ravel()[ends]] == 1).reshape(-1, 2)
+    joined = (points[first:last] for first, last in zip(start, stop, strict=True))
+    return [_without_repeats(np.concatenate([line, line[:1]]) if ring else line) for line, ring in zip(joined, is_ring, strict=True)], lone
 
 
 def _without_repeats(line: np.ndarray) -> np.ndarray:
@@ -223,15 +238,18 @@ def _without_repeats(line: np.ndarray) -> np.ndarray:
     return line[kept] if kept.sum() > 1 else line[[0, -1]]
 
 
-def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None) -> np.ndarray:
+def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None, seeking: np.ndarray | None = None) -> np.ndarray:
     """Points (n, 2), those closer than `snap` (m) to each other replaced by the first of them, and chains of such points, too.
 
-    A curve that is drawn as many short lines is such a chain, and would vanish: a chain that is wider than SPREAD times `snap`, or that
-    holds several points with one number in `owner` (n,), is divided.
+    With a mask `seeking` (n,), one of two such points has to be in it, unless they are equal. A curve that is drawn as many short lines is
+    such a chain, and would vanish: a chain that is wider than SPREAD times `snap`, or that holds several points with one number in `owner`
+    (n,), is divided.
     """
     owner = np.arange(len(points)) if owner is None else owner
     pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    if seeking is not None:
+        pairs = pairs[seeking[pairs].any(axis=1) | (points[pairs[:, 0]] == points[pairs[:, 1]]).all(axis=1)]
     joined = scipy.sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
     count, group = scipy.sparse.csgraph.connected_components(joined, directed=False)
     first = np.unique(group, return_index=True)[1][group]
@@ -271,30 +289,3 @@ def _divided_chains(
             root[other], boxes[one] = one, box
             owners[one] |= owners.pop(other)
     return np.array([found(k) for k in root])
-
-
-def _through(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
-    """Lines that go through the ends of other lines on them; a lone end (lines, 2) on a straight line reaches it by itself."""
-    ends, lone = np.concatenate([line[[0, -1]] for line in lines]), lone.ravel()
-    strings, tips = strings_of(lines), shapely.points(ends)
-    tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + curves.sagitta)
-    for end in (0, -1):
-        apart = ~shapely.dwithin(tips[tip], shapely.get_point(strings[line], end), snap)
-        tip, line = tip[apart], line[apart]
-    through = list(lines)
-    for j in np.unique(line).tolist():
-        on_it = tip[line == j]
-        through[j] = with_points(lines[j], ends[on_it], snap, curves, lone[on_it])
-    return through
-
-
-def _reaching(line: np.ndarray, free: np.ndarray, reach: float) -> shapely.LineString:
-    """A line whose free ends (2,) reach on by `reach` (m)."""
-    before = [line[0] + _ahead(line[1], line[0], reach)] if free[0] else []
-    after = [line[-1] + _ahead(line[-2], line[-1], reach)] if free[1] else []
-    return shapely.LineString(np.concatenate([np.reshape(before, (-1, 2)), line, np.reshape(after, (-1, 2))]))
-
-
-def _ahead(start: np.ndarray, end: np.ndarray, reach: float) -> np.ndarray:
-    length = float(np.hypot(*(end - start)))
-    return (end - start) * (reach / length) if length > 0.0 else np.zeros(2)

@@ -230,13 +230,13 @@ class _Drawn:
 
 
 def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, drawn: _Drawn, origin: np.ndarray) -> _Overlaps:
-    """Cut every part that overlaps another block, in place, along the face of the other that it passes least.
-
-    An overlap may be deeper than it was drawn, for faces have moved: it is cut all the same.
-    """
+    """Cut every part that overlaps another block, in place, along the face of the other that it passes least, also where faces moved."""
     found = _Overlaps()
     for _ in range(ROUNDS):
-        parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+        with np.errstate(divide="ignore", invalid="ignore"):  # a face without area has no normal
+            parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+        if (flat := ~np.isfinite(parts.face_normal).all(axis=1)).any():
+            raise _nothing_left(parts, int(parts.face_block[np.argmax(flat)]), origin)
         size = np.linalg.norm(parts.high - parts.low, axis=1)
         pairs = near_pairs(parts, np.zeros(len(parts)))
         pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]

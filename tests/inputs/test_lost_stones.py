@@ -81,6 +81,21 @@ def test_ends_that_are_each_right_to_the_tolerance_meet(seed: int, joined: bool,
         assert area == pytest.approx(stone.area, abs=2.0 * tolerance * stone.length)
 
 
+def test_outlines_drawn_freehand_that_nearly_close_are_closed_and_open_joints_stay_open(tmp_path: Path) -> None:
+    """Two stones of points 3 mm apart, and bricks of four lines each, both in joints of 8 mm, with a tolerance of 5 mm."""
+
+    def edge(x0: float, z0: float, x1: float, z1: float) -> list[tuple[float, float]]:
+        return list(shapely.segmentize(shapely.LinearRing([(x0, z0), (x1, z0), (x1, z1), (x0, z1)]), 0.003).coords)[:-1]
+
+    stones = [(0.0, 0.0, 0.5, 0.3), (0.508, 0.0, 1.0, 0.3), (0.0, 0.308, 1.0, 0.6)]
+    freehand = "".join(line(*edge(*stone)) for stone in stones)
+    fours = "".join(line(*pair) for stone in stones for pair in itertools.pairwise(shapely.box(*stone).exterior.coords))
+    for drawn in (freehand, fours):
+        scene = scene_of(tmp_path, drawn, 0.005, keys="joints = 0.01\n")
+        assert int(scene.blocks.free.sum()) == 3 and not told(scene)
+        assert scene.blocks.volume[scene.blocks.free].sum() == pytest.approx(0.6 * THICKNESS, rel=0.01)
+
+
 def test_a_chamfer_is_no_curve_and_moves_nothing(tmp_path: Path) -> None:
     """The block's lower corner is worn by 4 mm; the base's far corner is cut. The block turns about its contact's end, at x = 0.5."""
     block = polygon((0.5, 1), (1, 1), (1, 2.5), (0.46, 2.5), (0.46, 1.004))
