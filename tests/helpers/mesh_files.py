@@ -53,11 +53,20 @@ def ply(vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: 
     return "\n".join([*_ply_head("ascii", len(vertices), len(faces), indices), *rows]) + "\n"
 
 
-def binary_ply(vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: str = "vertex_indices") -> bytes:
-    """Big-endian."""
-    rows = [struct.pack(">3d", *point) for point in vertices.tolist()]
-    rows += [struct.pack(f">B{len(face)}i", len(face), *face) for face in faces]
-    return "\n".join([*_ply_head("binary_big_endian", len(vertices), len(faces), indices), ""]).encode() + b"".join(rows)
+def binary_ply(
+    vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: str = "vertex_indices", order: str = "big", colour: bool = False
+) -> bytes:
+    """In an order of bytes, "big" or "little"; colour: each vertex and face has one more number before, or after, its own."""
+    code = ">" if order == "big" else "<"
+    head = "\n".join([*_ply_head(f"binary_{order}_endian", len(vertices), len(faces), indices), ""])
+    rows = [struct.pack(code + "3d", *point) for point in vertices.tolist()]
+    loops = [struct.pack(f"{code}B{len(face)}i", len(face), *face) for face in faces]
+    if colour:
+        head = head.replace("property double x", "property uchar red\nproperty double x").replace(
+            "end_header", "property short n\nend_header"
+        )
+        rows, loops = [b"\x07" + row for row in rows], [loop + struct.pack(code + "h", -3) for loop in loops]
+    return head.encode() + b"".join(rows + loops)
 
 
 def _ply_head(form: str, vertices: int, faces: int, indices: str) -> list[str]:

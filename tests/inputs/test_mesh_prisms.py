@@ -84,6 +84,28 @@ def test_triangles_of_a_binary_ply_are_read() -> None:
     assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
 
 
+@pytest.mark.parametrize("order", ["big", "little"])
+@pytest.mark.parametrize("colour", [False, True])
+def test_faces_of_a_binary_ply_have_any_numbers_of_corners(order: str, colour: bool) -> None:
+    """As programs for drawing in space write a prism: its ends of eight corners, its sides of four. It was refused as not whole."""
+    vertices, faces = body(LEGS)
+    read = surfaces(".ply", binary_ply(vertices, faces, order=order, colour=colour), "legs")[0]
+    assert read.faces == tuple(faces)
+    assert read.vertices.tolist() == vertices.tolist()
+
+
+@pytest.mark.parametrize("change", [lambda whole: whole[:-1], lambda whole: whole[:-40], lambda whole: whole + b"\0"])
+def test_a_binary_ply_of_another_length_is_refused(change: Callable[[bytes], bytes]) -> None:
+    with pytest.raises(ValueError, match=r"not a whole PLY file: it (is cut off|has more bytes)"):
+        surfaces(".ply", change(binary_ply(*body(LEGS))), "legs")
+
+
+def test_a_ply_may_begin_with_a_comment() -> None:
+    vertices, faces = body(LEGS)
+    text = ply(vertices, faces).replace("ply\n", "ply\ncomment of a survey\n", 1)
+    assert surfaces(".ply", text.encode(), "legs")[0].faces == tuple(faces)
+
+
 @pytest.mark.parametrize("segments", [6, 10, 20, 30])
 def test_a_triangulated_stone_over_a_curved_opening_is_read_at_every_angle(segments: int) -> None:
     """Areas of triangles that were united kept holes, or lost corners, at every second angle."""

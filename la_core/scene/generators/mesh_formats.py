@@ -5,6 +5,8 @@ The content is data: no other file that it names is opened or run.
 
 import io
 import json
+import re
+import struct
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
@@ -15,6 +17,10 @@ from la_core.errors import words_of
 from la_core.scene.generators.mesh_surface import Surface, surface
 
 _AS_OBJ = "write its blocks as OBJ, each as an object of its own"
+_PLY_NUMBERS = {  # of the format's types, the codes of `struct`
+    "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
+    "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d",
+}  # fmt: skip
 DEFAULT_GROUP = "default"  # name of the group before any `g`; some programs write it although it is empty
 
 
@@ -74,6 +80,7 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
     import trimesh  # noqa: PLC0415 - an optional extra
 
     try:
+        content = _ply_in_text(content) if suffix == ".ply" else content
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
         bodies = {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
     except ImportError as error:  # trimesh takes bytes that are no STL for text in an unknown encoding, and has no package for that
@@ -86,6 +93,63 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
     return [surface(stem if len(bodies) == 1 else name, vertices, faces) for name, (vertices, faces) in bodies.items()]
 
 
+def _ply_in_text(content: bytes) -> bytes:
+    """A PLY file in text, without comments: trimesh reads faces of different numbers of corners only in text.
+
+    Raises ValueError where the bytes of a binary file are fewer or more than its head says.
+    """
+    head, end, body = content.partition(b"end_header")
+    form = re.search(rb"^format\s+(ascii|binary_little_endian|binary_big_endian)\b", head, re.MULTILINE)
+    if form is None or not end:
+        return content
+    words = (b"element", b"property")
+    kept = [line for line in head.replace(b"\r", b"\n").splitlines() if line.startswith(words)]
+    body = body.partition(b"\n")[2]
+    if form[1] != b"ascii":
+        body = _rows(kept, body, "<" if form[1] == b"binary_little_endian" else ">")
+    return b"\n".join([b"ply", b"format ascii 1.0", *kept, end, body])
+
+
+def _rows(head: list[bytes], body: bytes, order: str) -> bytes:
+    """Lines of text with the items of a binary PLY file, whose bytes have this order (a code of `struct`)."""
+    rows, position = [], 0
+    for count, properties in _ply_elements(head):
+        for _ in range(count):
+            row: list[float] = []
+            for length, number in properties:
+                many = 1
+                if length:
+                    many = int(_numbers(order + length, body, position)[0])
+                    row.append(many)
+                    position += struct.calcsize(order + length)
+                row += _numbers(f"{order}{many}{number}", body, position)
+                position += struct.calcsize(f"{order}{many}{number}")
+            rows.append(" ".join(map(repr, row)))
+    if position != len(body):
+        raise ValueError(f"it has more bytes than its head says ({len(body) - position})")
+    return "\n".join([*rows, ""]).encode()
+
+
+def _numbers(code: str, body: bytes, position: int) -> tuple[float, ...]:
+    try:
+        return struct.unpack_from(code, body, position)
+    except struct.error as error:
+        raise ValueError("it is cut off, or damaged") from error
+
+
+def _ply_elements(head: list[bytes]) -> list[tuple[int, list[tuple[str, str]]]]:
+    """Elements of a PLY file: the number of items, and the codes (length or "", number) of the properties of each item."""
+    elements: list[tuple[int, list[tuple[str, str]]]] = []
+    for fields in (line.decode("ascii", errors="replace").split() for line in head):
+        if fields[:1] == ["element"]:
+            elements.append((int(fields[2]), []))
+        elif fields[:2] == ["property", "list"]:
+            elements[-1][1].append((_PLY_NUMBERS[fields[2]], _PLY_NUMBERS[fields[3]]))
+        elif fields[:1] == ["property"]:
+            elements[-1][1].append(("", _PLY_NUMBERS[fields[1]]))
+    return [(count, properties) for count, properties in elements if properties]
+
+
 def _vertices_and_faces(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
     """Vertices (n, 3) of a mesh by trimesh, and the loop of each face.
 
@@ -96,11 +160,8 @@ def _vertices_and_faces(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
     raw = mesh.metadata.get("_ply_raw")
     if raw is None:
         return vertices, triangles.tolist()
-    # trimesh keeps columns by their names for a file in text, and an array of records, with the length of each list, for a binary one.
-    faces, is_text = raw["face"]["data"], isinstance(raw["face"]["data"], dict)
-    names = list(faces if is_text else faces.dtype.names)
-    name = next((name for name in names if name in ("vertex_index", "vertex_indices")), names[0])
-    loops = faces[name] if is_text else faces[name]["f1"]
+    faces = raw["face"]["data"]
+    loops = faces[next((name for name in faces if name in ("vertex_index", "vertex_indices")), next(iter(faces)))]
     if loops.dtype != object:  # lists of one length; of a single list, trimesh keeps its numbers alone
         loops = np.atleast_2d(loops)
     vertices = np.column_stack([raw["vertex"]["data"][axis] for axis in "xyz"]).astype(float)
