@@ -148,8 +148,8 @@ def run(
 ) -> Result:
     """Run both methods on a scene and compare them, as `crosscheck run` does.
 
-    Stored results whose inputs did not change are read and not computed again. A missing or failed YADE is no error:
-    the verdict is then `Verdict.INCONCLUSIVE`, with a reason.
+    Stored results whose inputs did not change are read and not computed again. A missing or failed YADE is no error: the verdict is then
+    `Verdict.INCONCLUSIVE` with a reason, unless limit analysis misses an expected value or proves that the structure cannot stand.
 
     Parameters
     ----------

@@ -207,7 +207,7 @@ def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = Fal
     scene : Scene, Path or str
         Scene from `load`, `build` or `variant`; path of a scene file, or name of a shipped scene.
     path : bool
-        Whether to follow the reaction from rest to the plateau, too. The curve is `answer.analysis.path`.
+        Whether to follow the reaction from rest over one travel of YADE, too. The curve is `answer.analysis.path`.
     bounds_only : bool
         Whether to compute the bounds alone, which is fast: the prediction is then NaN.
     listener : AnalysisListener, optional

@@ -36,22 +36,22 @@ ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine:
 
 
 class Status(enum.StrEnum):
-    """Outcome of limit analysis; only SOLVED comes with a value.
+    """Outcome of a bound or of the prediction. A bound has a value where it is SOLVED, a prediction also where it is INACCURATE.
 
     The program recomputes all residuals from the returned forces and velocities. The solver's own status decides nothing.
 
     Attributes
     ----------
     SOLVED
-        A value exists, and its residuals confirm it.
+        A value exists, and its residuals confirm it. That of a prediction is known to 25 %.
     INFEASIBLE
         The structure cannot stand under its weight and dead loads: no equilibrium obeys the friction law.
     UNBOUNDED
         No mechanism with dilatancy follows the support's motion, or the live load, so nothing limits the value.
     INACCURATE
-        The solver returned a solution, but its residuals are too large.
+        The residuals are too large, or the uncertainty of a prediction is more than 25 % of its value.
     FAILED
-        The solver returned no solution.
+        The solver returned no bound, or the paths came to no prediction, mostly because blocks fall.
     """
 
     SOLVED = "solved"

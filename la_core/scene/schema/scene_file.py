@@ -174,7 +174,7 @@ class Tilt(Table):
 
 
 class RequestedPath(Table):
-    """Asks limit analysis for the curve of the reaction from rest to the plateau."""
+    """Asks limit analysis for the curve of the reaction from rest. Where `settlement` is short, the curve ends before the plateau."""
 
     settlement: Positive | None = described(
         "distance that the support moves; the travel of YADE where none is given", "m or rad", default=None
@@ -266,7 +266,7 @@ class SceneFile(Table):
     settlement: Settlement | None = described("how the support moves; either this, [live] or [tilt]", default=None)
     live: Live | None = described("a load that grows until collapse; either this, [settlement] or [tilt]", default=None)
     tilt: Tilt | None = described("ground that tilts until collapse; either this, [settlement] or [live]", default=None)
-    path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
+    path: RequestedPath | None = described("asks for the curve from rest, over a given distance", default=None)
     effects: RequestedEffects = described("which effects are modelled; chosen automatically where left out", default=RequestedEffects())
     expected: Expected | None = described("the known answer", default=None)
     yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = described(
