@@ -3,7 +3,7 @@
 #
 # A block lies on two pads. The right pad settles. How much does it still carry?
 #
-# Before anything moves, nobody can say: a rigid block on more than two points is hyperstatic. As soon as the pad gives way, the block
+# Before anything moves, nobody can say: a rigid block on more than two points is indeterminate. As soon as the pad gives way, the block
 # turns, all but two contact points open, and statics alone decides. That is what limit analysis is about.
 
 # %%
