@@ -4,6 +4,7 @@ Each input is made from its number alone, so that any of them can be made again 
 its own reads them, with limits on time and memory; where it dies, its input is counted and the next one goes on.
 """
 
+import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import json
 import os
@@ -19,7 +20,6 @@ from pathlib import Path, PurePosixPath
 
 import mesh_files as meshes
 import numpy as np
-import on_path  # noqa: F401  before what it makes importable
 import wall_drawings
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 

@@ -102,6 +102,14 @@ def test_links_and_programs_of_a_page_exist(path: Path) -> None:
     assert all((ROOT / program).exists() for program in programs)
 
 
+@pytest.mark.parametrize("script", sorted(Path(__file__).parent.glob("*.py")), ids=lambda script: script.name)
+def test_a_script_makes_importable_what_the_tests_share_before_it_imports_it(script: Path) -> None:
+    imported = re.findall(r"^(?:import|from) (\w+)", script.read_text(encoding="utf-8"), re.MULTILINE)
+    if "on_path" in imported:  # pytest has these folders by its own settings, a script that is run by hand has not
+        shared = {path.stem for room in ("helpers", "inputs", "limit") for path in (ROOT / "tests" / room).glob("*.py")}
+        assert not shared.intersection(imported[: imported.index("on_path")])
+
+
 def test_the_record_has_every_shipped_scene() -> None:
     assert list(RECORD) == shipped.names()
 
