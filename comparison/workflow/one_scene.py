@@ -177,7 +177,7 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
     notes = [AFTER_RELEASE] if analysis.assembly.effects.rotation == "finite" else []
     if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
         return notes
-    rounded = f"YADE needs an inset, and {shared:g} m is its smallest"
+    rounded = f"YADE needs an inset, and takes {shared:g} m"
     return [*notes, f"The scene has sharp edges (inset 0). {rounded}: the methods are compared at this inset."]
 
 

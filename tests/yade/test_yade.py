@@ -121,7 +121,7 @@ def test_sharp_edges_are_judged_by_the_inset_that_yade_took(tmp_path: Path) -> N
     associated = summary["limit_analysis"]["associated"]
     assert associated["reaction"] == associated["reaction_sharp"] == pytest.approx(359.7, abs=1e-3)
     assert associated["shared_inset"]["reaction"] == pytest.approx(363.297, abs=1e-3)
-    assert any("is its smallest" in note for note in summary["notes"])
+    assert any("takes 0.001 m" in note for note in summary["notes"])
 
 
 @pytest.mark.yade
