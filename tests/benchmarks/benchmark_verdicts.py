@@ -46,6 +46,11 @@ MOST_MOVED = 0.01  # share of reruns that may move by more than is stated
 LEAST = 0.01  # of the weight: smaller reactions are judged as if they were this large
 HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verdict", "again: verdict", "moved / stated", "s")
 OF_SECOND_RUNS = slice(7, 9)  # columns
+MEANING = (
+    "*Blocks*: free blocks. *Apart*: difference of YADE's value from the prediction, or from the value after a release where YADE agrees "
+    "with that one; over YADE's value, or over 0.01 where that is more. *s*: seconds of the prediction and of YADE's run."
+)
+OF_MOVED = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
 
 
 STONES = (
@@ -149,7 +154,6 @@ def page(record: dict[str, Any]) -> str:
     if not repeated:
         for columns in (headings, *rows):
             del columns[OF_SECOND_RUNS]
-    meaning = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
     options = (
         ("" if family == "stones" else f" --family {family}")
         + ("" if seed == module.SEED else f" --seed {seed} --record FILE")
@@ -162,7 +166,7 @@ def page(record: dict[str, Any]) -> str:
         f"{introduction.format(seed)} Scenes and seed were fixed before the first run. "
         f"{which} {second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
         sentences([*_conclusions(entries, module.SCENES, SEEN if is_usual else frozenset()), *record.get("since", [])]),
-        *([meaning] if repeated else []),
+        " ".join([MEANING, *([OF_MOVED] if repeated else [])]),
         table(headings, rows),
         "## What stays open",
         table(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
