@@ -37,7 +37,7 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
         Called with YADE's progress lines.
     """
     derived: dict[str, Any] = {}
-    base = shared_inset(scene)  # the smallest inset for YADE where the scene has none
+    base = shared_inset(scene)  # the inset for YADE where the scene has none
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> MethodOutcome:
         requested = dict(scene.yade) | ({setting: factor * derived[setting]} if setting else {})

@@ -23,7 +23,7 @@ class StructuralModel:
     scene : Scene
         Scene of the model.
     assembly : Assembly
-        Contact points at the shared inset: the scene's, or the smallest one of YADE where the scene has inset 0.
+        Contact points at the shared inset: the scene's, or that of YADE where the scene has inset 0.
     sharp : Assembly
         Contact points at inset 0.
     stiffness : JointStiffness

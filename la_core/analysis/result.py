@@ -117,7 +117,7 @@ class Answers(Held):
 class LimitAnalysis(Held):
     """Complete results of limit analysis, with the scene and the model that they belong to.
 
-    The shared inset is the inset of both methods: the scene's, or the smallest one of YADE where the scene has inset 0.
+    The shared inset is the inset of both methods: the scene's, or that of YADE where the scene has inset 0.
 
     Attributes
     ----------

@@ -3,6 +3,7 @@
 `.venv/bin/python tests/benchmarks/program_keys.py` rewrites the marked parts; a test says when one is out of date.
 """
 
+import on_path  # noqa: F401, I001  before what it makes importable
 from pathlib import Path
 
 import scene_keys

@@ -3,6 +3,7 @@
 `.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page; a test says when it is out of date.
 """
 
+import on_path  # noqa: F401, I001  before what it makes importable
 import ast
 import re
 from collections.abc import Callable, Iterator
