@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 
 import numpy as np
-import scipy
 
 from la_core.errors import SceneError
-from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners, polyhedron
+from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners
+from la_core.repair.bodies import PLANE, between
 from la_core.repair.facing import Facing, facing_faces
 from la_core.repair.outline_motion import MovedOutline, moved_outline, onto_planes
 from la_core.repair.planes import planes_closing_most
@@ -16,7 +16,6 @@ from la_core.repair.repairs import Repairs, Unclosed
 from la_core.text_table import place_text
 
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
-PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
 SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
@@ -174,30 +173,13 @@ def _pieces(
             shapes.append(Shape(moved[first:last], loops))
         else:
             planes = normal[low:high][~again], offset[low:high][~again]
-            shapes.append(_between(*planes, moved[first:last].mean(axis=0), PLANE * size[part]))
+            shapes.append(between(*planes, moved[first:last].mean(axis=0), PLANE * size[part]))
     left = np.array([shape is not None for shape in shapes], dtype=bool)
     block = owner[single]
     gone = np.setdiff1d(block, block[left])
     if len(gone):
         raise _nothing_left(parts, int(np.argmax(owner == gone[0])), origin)
     return [shape for shape in shapes if shape is not None], block[left]
-
-
-def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:
-    """The convex body behind all these planes; None where no ball of the radius `least` (m) fits in it. near: a point (3,) beside it."""
-    height = offset - normal @ near
-    ball = scipy.optimize.linprog(
-        [0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4
-    )
-    if not ball.success or ball.x[3] <= least:
-        return None
-    try:
-        with np.errstate(divide="ignore", invalid="ignore"):  # planes that enclose no body meet at infinity
-            found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
-        # The planes are exact: a cut that takes little off a corner must not tilt the face beside it.
-        return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist(), flatness=PLANE)
-    except (scipy.spatial.QhullError, ValueError):
-        return None
 
 
 def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
@@ -263,7 +245,7 @@ def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, S
     normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
     offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
     size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
-    rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
+    rest = between(normal, offset, parts.centroid[cut], PLANE * size)
     if rest is None:
         raise _nothing_left(parts, cut, origin)
     return cut, rest, -height

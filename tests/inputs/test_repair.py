@@ -13,6 +13,7 @@ from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, find_interfaces, near_pairs, overlaps, polyhedron
 from la_core.limit.problem import Drive
 from la_core.repair import closing
+from la_core.repair.bodies import between
 from la_core.repair.facing import facing_faces
 from la_core.repair.planes import common_planes
 from la_core.scene import Scene
@@ -210,7 +211,7 @@ def test_no_stone_keeps_a_corner_between_two_faces_that_came_onto_one_plane(seed
 def test_planes_that_enclose_no_body_leave_nothing_and_bring_no_warning() -> None:
     """A wedge that is open at its wide end."""
     normal = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-0.04, 0.0, -1.0], [0.0, 0.0, 1.0]])
-    assert closing._between(normal, np.array([0.0, 0.4, 0.0, 0.0]), np.array([10.0, 0.2, -0.2]), 1e-9) is None
+    assert between(normal, np.array([0.0, 0.4, 0.0, 0.0]), np.array([10.0, 0.2, -0.2]), 1e-9) is None
 
 
 def voussoirs_between_chords(around: int, rows: int) -> tuple[list[str], list[Shape]]:

@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from shapely.geometry.polygon import orient
 
 from la_core.geometry import FACE_FLATNESS, Shape, divided_loft, plane_axes, polyhedron, without_straight_corners
+from la_core.repair import with_plane_faces
 from la_core.scene.schema.types import LARGEST
 from la_core.text_table import place_text
 
@@ -95,7 +96,8 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
         return prism, False
     if deepest <= FACE_FLATNESS * size:
         return shape, False
-    return polyhedron(vertices.tolist(), 2.0 * deepest / size), True
+    # Exact bodies have no dents, and keep all facets of their curves.
+    return with_plane_faces(polyhedron(vertices.tolist(), 2.0 * deepest / size), tolerance), True
 
 
 def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
