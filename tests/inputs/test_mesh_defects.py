@@ -1,5 +1,6 @@
 """Defects of imported bodies and their files are named, and nothing outside of the scene's folder is read."""
 
+import json
 import shlex
 import sys
 from collections.abc import Callable, Sequence
@@ -17,6 +18,7 @@ from mesh_files import (
     as_old_compas,
     as_ply_folder,
     as_stl_folder,
+    compas_meshes,
     compas_model,
     corners,
     obj,
@@ -383,3 +385,21 @@ def test_a_ball_is_no_block(tmp_path: Path) -> None:
     front = np.stack([np.cos(ring), 0.0 * ring, np.sin(ring)], axis=1)
     faces = make_rubble_wall.obj({"drum": np.vstack([front, front + np.array([0.0, 1.0, 0.0])])})
     assert "has 2000 corners; simplify it" in refusal(written(tmp_path, "x.obj", faces, fixed=[]))
+
+
+def test_an_element_with_a_frame_of_its_own_is_refused(tmp_path: Path) -> None:
+    """Its frame was passed over without a word, so that the element stood elsewhere."""
+    model = json.loads(compas_model(wall()))
+    for element in model["data"]["elements"].values():
+        element["data"]["frame"] = {"dtype": "compas.geometry/Frame", "data": {"point": [0, 0, 0], "xaxis": [1, 0, 0], "yaxis": [0, 1, 0]}}
+    load_scene(written(tmp_path, "wall.json", json.dumps(model), fixed=[], support=["pad"]))
+    element["data"]["frame"]["data"]["point"] = [5, 0, 0]
+    rule = refusal(written(tmp_path, "wall.json", json.dumps(model), fixed=[], support=["pad"]))
+    assert "has a frame of its own, which is not read" in rule
+
+
+def test_a_body_with_no_face_but_one_without_corners_is_refused(tmp_path: Path) -> None:
+    """It was a traceback."""
+    meshes = json.loads(compas_meshes(wall()))
+    meshes[0]["data"]["face"] = {"0": []}
+    assert "is empty: it has no faces" in refusal(written(tmp_path, "wall.json", json.dumps(meshes)))

@@ -204,6 +204,8 @@ def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str
             marks = _unwrapped(element)
             if data.get("transformation") or marks.get("transformation"):
                 raise _NotReadError(f"element {key} has a transformation")
+            if _is_placed(_unwrapped(marks.get("frame") or {})):
+                raise _NotReadError(f"element {key} has a frame of its own")
             mesh = marks.get("shape") or marks["geometry"]
             yield key, {**mesh, "name": mesh.get("name") or marks.get("name")}, marks
     elif "blocks" in data:  # compas_assembly before 0.2
@@ -214,6 +216,12 @@ def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str
         graph = _unwrapped(data["graph"]) if "graph" in data else data
         for key, node in graph["node"].items():
             yield key, node.get("block") or node["part"], node
+
+
+def _is_placed(frame: dict[str, Any]) -> bool:
+    """Whether the frame of an element is another one than that of the model: earlier versions of compas_model placed elements by it."""
+    world = {"point": [0.0, 0.0, 0.0], "xaxis": [1.0, 0.0, 0.0], "yaxis": [0.0, 1.0, 0.0]}
+    return any(not np.allclose(np.array(frame.get(key, axis), dtype=float), axis, rtol=0.0) for key, axis in world.items())
 
 
 def _unwrapped(value: dict[str, Any]) -> dict[str, Any]:
@@ -229,5 +237,5 @@ def _compas_mesh(block: dict[str, Any]) -> tuple[str, np.ndarray, list[list[int]
     place = {str(key): number for number, key in enumerate(mesh["vertex"])}
     default = mesh.get("default_vertex_attributes") or mesh.get("dva") or {}
     vertices = [[float({**default, **vertex}[axis]) for axis in "xyz"] for vertex in mesh["vertex"].values()]
-    faces = [[place[str(corner)] for corner in face] for face in mesh["face"].values()]
+    faces = [[place[str(corner)] for corner in face] for face in mesh["face"].values() if len(face) >= 3]
     return str(block.get("name") or ""), np.array(vertices).reshape(-1, 3), faces
