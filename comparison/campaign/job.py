@@ -22,6 +22,7 @@ from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, 
 from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, structural_model
 from la_core.digests import code_digest
+from la_core.exchange import inputs_digest
 from la_core.limit import ClassicParameters, Drive, Status, solve_sequentially
 from la_core.scene import Scene
 
@@ -30,6 +31,7 @@ OWN_CODE = tuple(HERE / name for name in ("columns.py", "job.py", "mechanism_lab
 CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # code that an outcome depends on
 PATIENCE = 600.0  # s to wait for a case's folder, which a worker of an earlier, interrupted call may still hold
 LOOKS_EVERY = 0.2  # s
+END_OF_PAGE = b"</html>\n"
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
 
 JobOutcome = dict[str, Any]
@@ -90,18 +92,30 @@ def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: 
 
 
 def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | None:
-    """Return the stored outcome of a job; None if its inputs changed, its files are missing, or it has to be repeated."""
+    """Return the stored outcome of a job; None if its inputs changed, its files are missing or damaged, or it has to be repeated."""
     try:
         stored = json.loads(read_text(folder / OUTCOME))
     except (OSError, ValueError, RecursionError):
         return None
     if not isinstance(stored, dict) or stored.get("sum") != _sum_of(stored) or stored.get("inputs") != inputs:
         return None
-    files = [folder / "report.html", folder / scene_name / "case.h5", folder / scene_name / "comparison.json"]
-    if stored["answers"]["yade_status"] is not None:
-        files.append(folder / scene_name / "run.h5")
     is_final = stored["state"] == "done" and stored["answers"]["yade_status"] not in REPEATED
-    return stored if is_final and all(path.is_file() for path in files) else None
+    with_run = stored["answers"]["yade_status"] is not None
+    return stored if is_final and _are_whole(folder, folder / scene_name, with_run) else None
+
+
+def _are_whole(folder: Path, results: Path, with_run: bool) -> bool:
+    """Whether a job's page and results are there and whole: else its links and `crosscheck report` or `animate` of its folder fail."""
+    sealed = [results / name for name in (("case.h5", "run.h5") if with_run else ("case.h5",))]
+    if not all(inputs_digest(path) for path in sealed) or not (results / "scene.toml").is_file():
+        return False
+    try:
+        json.loads(read_text(results / "comparison.json"))
+        with (folder / "report.html").open("rb") as page:  # its end alone: a page has a megabyte
+            page.seek(-len(END_OF_PAGE), 2)
+            return page.read() == END_OF_PAGE
+    except (OSError, ValueError, RecursionError):
+        return False
 
 
 def run_job(job: Job, listener: Listener) -> JobOutcome:

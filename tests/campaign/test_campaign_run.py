@@ -46,6 +46,23 @@ def test_finished_cases_are_not_run_again_and_a_new_value_adds_its_own_alone(tmp
     assert repaired.done == ["two_blocks_friction=0.3", "two_blocks_friction=0.6"]
 
 
+@pytest.mark.parametrize("damaged", ["report.html", "two_pads/case.h5", "two_pads/comparison.json", "two_pads/scene.toml"])
+def test_a_case_whose_stored_files_were_cut_short_is_made_again(damaged: str, tmp_path: Path, plain_figures: None) -> None:
+    """`crosscheck report` of such a case says that it has to be run again, so the campaign must not count it as finished."""
+    text, out = sweep('vary = { "joint.friction" = [0.4, 0.5] }', "two_pads"), tmp_path / "out"
+    first = run(text, out, Inline())
+    file = out / "cases" / "two_pads_friction=0.4" / damaged
+    whole = file.read_bytes()
+    if file.suffix == ".toml":
+        file.unlink()
+    else:
+        file.write_bytes(whole[: len(whole) // 2])
+    repaired = Inline()
+    assert run(text, out, repaired).rows == first.rows
+    assert repaired.done == ["two_pads_friction=0.4"]
+    assert file.stat().st_size > len(whole) // 2
+
+
 def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_call(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
