@@ -140,6 +140,9 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
             yield ("yade", name), str(SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS)))
         elif rule := broken_rule(name, value):
             yield ("yade", name), str(SceneError(f"yade.{name}", f"must be {rule}", value=value))
+    if driven != "settlement" and file.yade.get("wedging"):
+        lifts = SceneError("yade.wedging", f"lifts the support, and a [{driven}] scene has none", hint="leave it out")
+        yield ("yade", "wedging"), str(lifts)
     share = file.yade.get("time_step_share", 0.0)
     if share > 1.0 and "time_step" not in file.yade:  # which takes the place of a share
         rule = "must be at most 1: beyond that the integration is unstable"

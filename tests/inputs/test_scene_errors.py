@@ -146,6 +146,10 @@ CHANGED = {
         "scene: needs one table out of [settlement], [live] and [tilt]; it has [settlement] and [live]",
     ),
     "support under a live load": ((MOTION, LIVE), 'live: a [live] scene has no support; give its held blocks role = "fixed"'),
+    "a lift without a support": (
+        (MOTION, LIVE + "\n[yade]\nwedging = 1e-5"),
+        "yade.wedging: lifts the support, and a [live] scene has none; leave it out",
+    ),
     "axis without point": ((MOTION, "[settlement]\naxis = [0.0, 1.0, 0.0]"), "both `axis` and `point` (rotation); it has `axis`"),
     "motion given twice": (
         (MOTION, MOTION + "\naxis = [0, 1, 0]\npoint = [0, 0, 0]"),
