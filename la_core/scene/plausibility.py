@@ -24,6 +24,7 @@ UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be lev
 MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
 ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
 ROUND_OFF = 1e-9  # of a length
+TURNED = 0.05  # of a block's size: a motion that changes lever arms of half a block by a tenth
 LOOSE = 0.25  # of an expected value: with a larger tolerance, wrong answers meet it, too
 NAMED = 3  # blocks named in one warning
 
@@ -66,6 +67,7 @@ def implausible(
         *_of_edges(blocks, missed),
         *_of_gravity(gravity),
         *_of_travel(blocks, file, twists),
+        *_of_path(blocks, file, twists),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
         *_of_expected(file),
@@ -107,10 +109,7 @@ def _of_floors(file: SceneFile, blocks: Blocks) -> Iterator[str]:
 
 def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
     """Yield a warning where YADE lifts or moves the support, or the fastest block under a live load, so far that spheres slip off faces."""
-    longest, speed = TRAVEL_OVER_INSET * file.joint.inset, 1.0
-    if twists is not None:
-        moving = twists[blocks.vertex_block]
-        speed = float(np.linalg.norm(moving[:, :3] + np.cross(moving[:, 3:], blocks.vertices), axis=1).max())
+    longest, speed = TRAVEL_OVER_INSET * file.joint.inset, _fastest(blocks, twists)
     for name in ("max_travel", "wedging"):
         travel = float(file.yade.get(name, 0.0))
         if not travel * speed > longest * (1.0 + ROUND_OFF) or longest == 0.0:
@@ -119,6 +118,29 @@ def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> It
             f"{name} = {travel:g} moves blocks by {1e3 * travel * speed:.3g} mm in YADE, so that contact spheres slip off their faces. "
             f"It should be at most {longest / speed:.3g}: {TRAVEL_OVER_INSET:g} of the inset of {1e3 * file.joint.inset:g} mm."
         )
+
+
+def _of_path(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
+    """Yield a warning where a requested curve goes so far that blocks change their lever arms, which no path of limit analysis follows."""
+    settlement = file.path.settlement if file.path else None
+    if settlement is None or not blocks.free.any():
+        return
+    size = float(np.cbrt(np.median(blocks.volume[blocks.free])))
+    speed = _fastest(blocks, twists)
+    if settlement * speed > TURNED * size:
+        yield (
+            f"path.settlement = {settlement:g} moves blocks by {settlement * speed / size:.2g} times a block's size, but lever arms stay "
+            "those of the structure as built, with finite rotations, too. Do not use the curve "
+            f"beyond about {TURNED * size / speed:.2g}: blocks that have moved so far balance at other values."
+        )
+
+
+def _fastest(blocks: Blocks, twists: np.ndarray | None) -> float:
+    """Speed of the support's fastest point in its unit motion, in m where the support turns; 1 under a live load."""
+    if twists is None:
+        return 1.0
+    moving = twists[blocks.vertex_block]
+    return float(np.linalg.norm(moving[:, :3] + np.cross(moving[:, 3:], blocks.vertices), axis=1).max())
 
 
 def _of_densities(densities: Sequence[float]) -> Iterator[str]:

@@ -73,6 +73,11 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
         "wedging = 1 moves blocks by 1e+03 mm in YADE",
         "at most 0.0008: 0.8 of the inset of 1 mm",
     ),
+    "a curve over more than a twentieth of a block": (
+        ("[settlement]", "[path]\nsettlement = 0.1\n[settlement]"),
+        "path.settlement = 0.1 moves blocks by 0.22 times a block's size",
+        "lever arms stay those of the structure as built, with finite rotations, too. Do not use the curve beyond about 0.023: ",
+    ),
     "a tolerance that any answer meets": (
         ("tolerance                = 1e-6", "tolerance = 0.1"),
         "expected.tolerance = 0.1 is 60 % of reaction_over_weight = 0.166667",
