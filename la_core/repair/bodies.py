@@ -62,9 +62,8 @@ def with_plane_faces(shape: Shape, tolerance: float) -> Shape:
     centre = shape.vertices.mean(axis=0)
     hull = scipy.spatial.ConvexHull(shape.vertices - centre)
     planes = np.array([face.plane for face in _faces(hull, tolerance)])
-    planes = planes[
-        (hull.points @ planes[:, :3].T + planes[:, 3]).max(axis=0) <= FIT * tolerance
-    ]  # others are slivers that no face took in
+    beyond = (hull.points @ planes[:, :3].T + planes[:, 3]).max(axis=0)
+    planes = planes[beyond <= FIT * tolerance]  # others are slivers that no face took in
     if not 4 <= len(planes) < len(shape.faces):
         return shape
     body = between(planes[:, :3], -planes[:, 3], np.zeros(3), tolerance)
