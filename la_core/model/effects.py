@@ -150,11 +150,11 @@ def _depth_words(scene: Scene) -> str:
 
 def _obstacle_to_plane(scene: Scene) -> str:
     """Why the scene is not plane, or "" where it is."""
-    blocks = scene.blocks
-    low, high = blocks.low[:, 1], blocks.high[:, 1]
+    blocks, parts = scene.blocks, scene.blocks.parts  # of a block with dents each part spans the depth, or the dents are beside the plane
+    low, high = parts.low[:, 1], parts.high[:, 1]
     depth = high.max() - low.min()
     for outlier in np.flatnonzero((low - low.min() > FLAT * depth) | (high.max() - high > FLAT * depth)):
-        return f'block "{blocks.names[outlier]}" does not span the whole depth, {_depth_words(scene)}'
+        return f'block "{parts.names[outlier]}" does not span the whole depth, {_depth_words(scene)}'
     for outlier in np.flatnonzero(np.minimum(np.abs(blocks.face_normal[:, 1]), 1.0 - np.abs(blocks.face_normal[:, 1])) > FLAT):
         return f'block "{blocks.names[blocks.face_block[outlier]]}" is not a prism along y'
     if abs(scene.gravity[1]) > FLAT * np.linalg.norm(scene.gravity):

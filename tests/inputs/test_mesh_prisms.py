@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from la_core.geometry import find_interfaces
+from la_core.model import assemble
 from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.generators.mesh_surface import shape_of, surface
 from la_core.scene.scene import load_scene
@@ -73,6 +74,16 @@ def test_two_faces_may_share_three_corners_of_a_line(write: Callable[[np.ndarray
     suffix = ".ply" if write is ply else ".obj"
     read = surfaces(suffix, write(vertices, faces).encode(), "legs")[0]
     assert volume(read.vertices, list(read.faces)) == pytest.approx(LEGS_VOLUME)
+
+
+def test_a_body_with_dents_in_plan_is_not_plane(tmp_path: Path) -> None:
+    """The legs point along y. The body spans the depth, but its parts do not: as a plane structure it could not turn about x."""
+    vertices, faces = body(LEGS)
+    on_plan = vertices[:, [0, 2, 1]] * [1.0, DEPTH / 0.5, 1.0]
+    scene = load_scene(on_pads(tmp_path, "legs.ply", ply(on_plan, [face[::-1] for face in faces])))
+    assembly = assemble(scene)
+    assert not assembly.effects.plane
+    assert assembly.effects.reasons["plane"].startswith('block "legs" does not span the whole depth')
 
 
 def test_triangles_of_a_binary_ply_are_read() -> None:
