@@ -180,3 +180,27 @@ def test_a_body_whose_sides_fill_a_part_of_its_dent_is_no_prism() -> None:
     filled = [face for face in faces if face not in sides] + [(2, 10, 3), (3, 10, 4), (2, 9, 10), (2, 8, 9)]
     with pytest.raises(ValueError, match="is not convex: its deepest dent"):
         volume(vertices, filled)
+
+
+@pytest.mark.parametrize("extra", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_a_surveyed_prism_with_dents_is_read(seed: int, extra: bool) -> None:
+    """Every coordinate is off by up to 0.6 of the tolerance. The plane of one triangle left other corners of its end out, and the stone was
+    refused as a body that is no prism. Corners within an edge, off by as much, add nothing to its outline."""
+    tolerance, random = 0.005, np.random.default_rng(seed)
+    profile = [(0.0, 0.0), (0.2, 0.0), *LEGS[1:6], (1.0, 0.25), *LEGS[6:]] if extra else LEGS
+    vertices, faces = body(profile)
+    turned = vertices @ Rotation.random(random_state=seed).as_matrix().T + random.uniform(-0.6, 0.6, vertices.shape) * tolerance
+    shape = shape_of(surface("legs", turned, faces), tolerance)[0]
+    assert len(shape.parts) == 3
+    assert sum(ConvexHull(part.vertices).volume for part in shape.parts) == pytest.approx(LEGS_VOLUME, rel=0.03)
+    near = np.linalg.norm(shape.vertices[:, None] - turned, axis=2)
+    assert near.min(axis=0)[[profile.index(corner) for corner in LEGS]].max() < 2.0 * tolerance
+
+
+def test_an_exact_curve_of_a_prism_with_dents_keeps_its_corners_within_a_tolerance() -> None:
+    angle = np.linspace(np.pi, 0.0, 31)
+    arc = [(0.5 + 0.3 * np.cos(a), 0.3 * np.sin(a)) for a in angle]
+    vertices, faces = body([(0.0, 0.0), *arc, (1.0, 0.0), (1.0, 0.5), (0.0, 0.5)])
+    exact, within = (shape_of(surface("soffit", vertices, faces), tolerance)[0] for tolerance in (0.0, 0.01))
+    assert np.array_equal(exact.vertices, within.vertices)

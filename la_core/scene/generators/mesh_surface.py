@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -22,6 +23,7 @@ MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to
 MOST_PROFILE = 100  # corners of a profile with dents: to divide it into convex parts takes a second, and eight for twice as many
 MOST_DENT = 0.02  # m: an error of the coordinates is smaller
 STRAIGHT = (1e-9, 1e-6, 1e-5, FACE_FLATNESS)  # of the size: corners this close to a line lie on it; the least one that will do is taken
+NEAR_END = 6.0  # over the tolerance: corners this close to the outermost one belong to its end, for the plane of a triangle is inexact
 FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
 
 
@@ -90,9 +92,9 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
     size = float(np.ptp(vertices, axis=0).max())
     try:
         deepest = _deepest_dent(vertices, triangles, faces, tolerance)
-    except ValueError:
-        if (prism := _prism(vertices, triangles, faces, tolerance)) is None:
-            raise
+    except ValueError as error:
+        if (prism := _exact_or_surveyed_prism(vertices, triangles, faces, tolerance)) is None:
+            raise error
         return prism, False
     if deepest <= FACE_FLATNESS * size:
         return shape, False
@@ -128,24 +130,20 @@ def _once(faces: list[np.ndarray]) -> list[np.ndarray]:
 
 def _groups(pairs: np.ndarray, count: int) -> np.ndarray:
     """Connected component (count,) of each of `count` nodes that pairs (P, 2) connect."""
-    graph = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1])
+    return np.asarray(connected_components(sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count)), directed=False)[1])
 
 
 def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
     """Raise ValueError for a surface that is open, inconsistently oriented, or of several shells.
 
-    A closed oriented surface runs along every edge twice, once in each direction. The edges connect the faces of one
-    shell.
+    A closed oriented surface runs along every edge twice, once in each direction. The edges connect the faces of one shell.
     """
     owner = np.repeat(np.arange(len(faces)), [len(face) for face in faces])
     ends = np.stack([np.concatenate(faces), np.concatenate([np.roll(face, -1) for face in faces])], axis=1)
     _, edge, uses = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
     edge = edge.ravel()
-    if np.any(uses == 1):
-        raise ValueError(
-            f"is open: {np.sum(uses == 1)} of its {len(uses)} edges lack a partner; close its holes in the program that made it"
-        )
+    if lone := int(np.sum(uses == 1)):
+        raise ValueError(f"is open: {lone} of its {len(uses)} edges lack a partner; close its holes in the program that made it")
     if np.any(uses > 2):
         several = f"{np.sum(uses > 2)} of its {len(uses)} edges belong to more than two faces"
         raise ValueError(f"is not the surface of one body: {several}; give every body its own object, group or file")
@@ -181,37 +179,77 @@ def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
     return deepest
 
 
-def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> Shape | None:
+def _exact_or_surveyed_prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> Shape | None:
+    """The body as a prism: an exact one keeps all corners of its curves, and one that is right to the tolerance (m) loses some."""
+    with suppress(ValueError):  # an outline that cannot be divided
+        if tolerance > 0.0 and (exact := _prism(vertices, triangles, faces)) is not None:
+            return exact
+    return _prism(vertices, triangles, faces, tolerance)
+
+
+def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float = 0.0) -> Shape | None:
     """The body as a prism: faces in two parallel planes fill the same outline without holes, and all other corners lie around it.
 
-    tolerance: largest error of the coordinates, m: a prism that was turned and written with three digits has ends that are not plane.
+    tolerance: largest error of the coordinates, m. A corner of an end lies within twice this distance of the plane that fits the ends
+    best, and of the corner at the other end, because both may be off by it.
     """
-    size = float(np.ptp(vertices, axis=0).max())
-    slack = max(FACE_FLATNESS * size, tolerance)
+    flat_within = FACE_FLATNESS * float(np.ptp(vertices, axis=0).max())
+    slack = max(flat_within, 2.0 * tolerance)
     corners = vertices[triangles] - vertices[0]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(area, axis=1)
-    order = np.argsort(-length, kind="stable")[: np.count_nonzero(length > slack**2)]
-    volume = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0
-    for normal in area[order] / length[order, None]:  # the largest triangle of an end gives its plane best
+    order = np.argsort(-length, kind="stable")[: np.count_nonzero(length > max(flat_within, tolerance) ** 2)]
+    volume, surface = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0, float(length.sum()) / 2.0
+    for across in area[order] / length[order, None]:  # the largest triangle of an end gives its plane best
+        normal, low, high = _ends(vertices, across, tolerance)
         height, axes = vertices @ normal, np.concatenate(plane_axes(normal[None]))
-        flat, (low, high) = vertices @ axes.T, (float(height.min()), float(height.max()))
+        flat = vertices @ axes.T
         on_ends = [np.abs(height[triangles] - at).max(axis=1) <= slack for at in (high, low)]
         enclosed = [abs(float((area[on_end] @ normal).sum())) / 2.0 * (high - low) for on_end in on_ends]
-        if not np.allclose(enclosed, volume, rtol=FOLDED, atol=0.0):  # most planes of a body with many corners are told by this alone
+        if np.abs(np.subtract(enclosed, volume)).max() > FOLDED * volume + tolerance * surface:  # this alone tells most planes
             continue
         ends = [_outline(flat, [face for face in faces if np.abs(height[face] - at).max() <= slack]) for at in (high, low)]
         if any(end.is_empty for end in ends):
             continue
         # What the sides enclose between the ends is held against the ends: their corners may be off by the slack, and nothing else.
         filled = (high - low) * shapely.area(ends)
-        if np.abs(filled - volume).max() > min(FOLDED * volume, slack * float(length.sum()) / 2.0):
+        if np.abs(filled - volume).max() > min(FOLDED * volume, flat_within * surface) + tolerance * surface:
             continue
         between = shapely.points(flat[(height > low + slack) & (height < high - slack)])
         is_same = shapely.hausdorff_distance(ends[0].exterior, ends[1].exterior) <= slack
         if is_same and np.all(shapely.distance(between, ends[0].exterior) <= slack):
-            return _divided(ends[0], axes, normal, (low, high), slack)
+            outline = ends[0] if tolerance == 0.0 else _mean_outline(ends, tolerance)
+            if shapely.hausdorff_distance(outline.exterior, outline.convex_hull.exterior) > tolerance:  # else it has no dents
+                return _divided(outline, axes, normal, (low, high), slack)
     return None
+
+
+def _ends(vertices: np.ndarray, normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, float, float]:
+    """Unit normal (3,) of two ends, and their heights along it: of the outermost corners, or of the planes that fit inexact ends best.
+
+    normal: that of a triangle of an end, whose corners may be off by the tolerance (m).
+    """
+    height = vertices @ normal
+    if tolerance == 0.0:
+        return normal, float(height.min()), float(height.max())
+    for _ in range(2):  # the first fit tells better which corners belong to the ends
+        on_ends = [np.abs(height - at) <= NEAR_END * tolerance for at in (height.min(), height.max())]
+        beside = np.concatenate([vertices[on_end] - vertices[on_end].mean(axis=0) for on_end in on_ends])
+        fitted = np.linalg.svd(beside, full_matrices=False)[2][-1]
+        normal = fitted if fitted @ normal > 0.0 else -fitted
+        height = vertices @ normal
+    low, high = (float(height[on_end].mean()) for on_end in on_ends)
+    return normal, low, high
+
+
+def _mean_outline(ends: list[shapely.Polygon], tolerance: float) -> shapely.Polygon:
+    """The outline half way between those of two ends, without corners within the tolerance (m) of a line between others."""
+    points, others = (shapely.get_coordinates(end.exterior)[:-1] for end in ends)
+    distance, nearest = scipy.spatial.cKDTree(others).query(points)
+    near = distance <= 2.0 * tolerance
+    points[near] = (points[near] + others[nearest[near]]) / 2.0
+    outline = shapely.Polygon(points).simplify(tolerance)
+    return outline if outline.is_valid else ends[0]
 
 
 def _divided(outline: shapely.Polygon, axes: np.ndarray, normal: np.ndarray, heights: tuple[float, float], slack: float) -> Shape:
