@@ -20,12 +20,12 @@ USUAL: dict[str, Any] = {
 }  # fmt: skip
 
 
-def case_of(live: Any = None, floor: float = 0.0) -> Any:
-    """A free block of 50 kg, which carries a floor of so many kilograms."""
+def case_of(live: Any = None, floor: float = 0.0, sway: float = 0.0) -> Any:
+    """A free block of 50 kg, which carries a floor of so many kilograms, and sways so many times as slowly as it sags."""
     gravity, load = np.array([0.0, 0.0, -GRAVITY]), np.zeros((1, 6))
     load[0, 0] = GRAVITY * floor
     block = {"mass": np.array([50.0]), "live_load": load, "free": np.array([0])}
-    return SimpleNamespace(gravity=gravity, sag=SAG, normal_stiffness=1e6, live=live, plane=True, **block)
+    return SimpleNamespace(gravity=gravity, sag=SAG, sway=SAG * sway**2, normal_stiffness=1e6, live=live, plane=True, **block)
 
 
 def settings_of(**changes: float) -> Any:
@@ -36,6 +36,13 @@ def test_the_servo_is_a_spring_and_a_dashpot_of_a_share_of_the_frequency_of_the_
     servo, frequency = servo_of(case_of(PUSH), settings_of()), 0.1 * FREQUENCY
     assert servo.spring == pytest.approx(frequency**2 / GRAVITY) and servo.dashpot == pytest.approx(2.0 * frequency / GRAVITY)
     assert servo.every == int(LAG / (2.0 * frequency * 2e-6)) and servo.window == pytest.approx(1.0 / frequency)
+
+
+@pytest.mark.parametrize(("sway", "slower"), [(2.0, 1.0), (4.0, 1.0), (8.0, 2.0), (200.0, 5.0)])
+def test_the_servo_is_slower_than_the_sway_of_blocks_that_stand(sway: float, slower: float) -> None:
+    """A block slid on a tall one that swayed with a period of 8 sags: the servo swung with it, and the sliding was 23 % too fast."""
+    servo, usual = servo_of(case_of(PUSH, sway=sway), settings_of()), servo_of(case_of(PUSH), settings_of())
+    assert usual.spring / servo.spring == pytest.approx(slower**2) and usual.dashpot / servo.dashpot == pytest.approx(slower)
 
 
 def test_the_servo_looks_oftener_where_a_floor_is_pushed_that_has_no_inertia() -> None:
