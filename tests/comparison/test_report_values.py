@@ -173,9 +173,10 @@ def test_powers_under_a_live_load_are_per_unit_power_of_the_load(tmp_path: Path)
         for name in [name for name in answer if name.startswith("reaction")]:
             answer[name.replace("reaction", "multiplier")] = answer.pop(name)
     answers["coulomb"]["multiplier_interval"] = [363.3, None]
-    page, _ = page_and_markdown(tmp_path, comparison)
+    page, markdown = page_and_markdown(tmp_path, comparison)
     assert "at least 363.30" in page
     assert "per unit power of the load" in page
+    assert "The multiplier is the factor of the live load" in markdown and "R is the reaction" not in markdown
 
 
 @pytest.mark.parametrize("empty", [None, {}])
