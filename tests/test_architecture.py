@@ -187,6 +187,13 @@ def test_only_figures_draw(path: Path) -> None:
 
 
 @every_file
+def test_one_module_makes_the_tables_of_the_terminal(path: Path) -> None:
+    """And the one that fits them to a width copies them: elsewhere the markup in somebody's text would be obeyed."""
+    if is_called("Table", path):
+        assert path.relative_to(ROOT).as_posix() in ("comparison/verdict/terminal_table.py", "comparison/cli/layout.py")
+
+
+@every_file
 def test_only_entry_points_print(path: Path) -> None:
     if is_called("print", path):
         assert path.relative_to(ROOT).as_posix().startswith(PRINT)

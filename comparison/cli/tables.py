@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from rich import box
-from rich.markup import escape
 from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.numbers import percent
-from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, verdict_cells, verdict_title
+from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, new_table, plain, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import OVER_WEIGHT, number_text, over_weight
@@ -19,14 +17,6 @@ COLOURS = {"agree": "green", "disagree": "red", "unexpected": "red", "inconclusi
 EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
 LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
 VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narrow table leaves out, the first to go first
-
-
-def new_table(*headings: str, title: str | None = None) -> Table:
-    """Return an empty table in the program's style; long words fold."""
-    table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for column in table.columns:
-        column.overflow = "fold"
-    return table
 
 
 def scene_table(scenes: list[Scene], width: int, long: bool = False) -> Table:
@@ -60,11 +50,6 @@ def coloured(words: str, verdict: str | None) -> str:
     return f"[{COLOURS[verdict]}]{words}[/]" if verdict in COLOURS else words
 
 
-def plain(text: str) -> str:
-    """Return a scene's text with the terminal library's markup escaped."""
-    return escape(text)
-
-
 def changes_table(changes: dict[str, Any]) -> Table:
     """Return a table of what reading changed in the geometry, one change per row."""
     table = new_table("changed in the geometry", "how much")
@@ -89,7 +74,7 @@ def effects_table(effects: dict[str, Any], long: bool = False) -> Table:
 
 def bounds_table(scene: Scene, answer: dict[str, Any], long: bool = False) -> Table:
     """Return the bounds of one scene, in their unit and over the weight; long: also residuals. answer: values as of `solve --json`."""
-    return _answer_table(answer_headings(scene), _shown(_rows_of_bounds(scene, answer), long), plain(scene.title))
+    return _answer_table(answer_headings(scene), _shown(_rows_of_bounds(scene, answer), long), scene.title)
 
 
 def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check], long: bool = False) -> Table | None:

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from rich import box
 from rich.table import Table
 
 from comparison.judge import without_undefined
 from comparison.numbers import with_uncertainty
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, coulomb, shared_inset
+from comparison.verdict import new_table, plain
 from la_core.coulomb import PredictionSettings
 from la_core.scene import Scene
 from la_core.side_by_side import side_by_side
@@ -224,8 +224,7 @@ def cost_table(ladder: CostStudy, target: str) -> Table:
     """Return a table with one row for each rung of a target; values have the uncertainty that they state, and a dot marks the front."""
     reference, source = ladder.references[target]
     title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}, {source}"
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for head in (
+    table = new_table(
         "method",
         "setting",
         "status",
@@ -237,8 +236,10 @@ def cost_table(ladder: CostStudy, target: str) -> Table:
         "total s",
         "range s",
         "front",
-    ):
-        table.add_column(head, justify="left" if head in ("method", "setting", "status", "front") else "right")
+        title=title,
+    )
+    for column in table.columns:
+        column.justify = "left" if column.header in ("method", "setting", "status", "front") else "right"
     for rung in (rung for rung in ladder.rungs if rung.target == target):
         seconds = [
             number_text(value if math.isfinite(value) else None, 2)
@@ -246,7 +247,7 @@ def cost_table(ladder: CostStudy, target: str) -> Table:
         ]
         value = with_uncertainty(rung.value, rung.uncertainty) if math.isfinite(rung.uncertainty) else number_text(rung.value, 6)
         error = number_text(rung.error, 2)
-        table.add_row(rung.family, rung.setting, rung.status, value, error, *seconds, "●" if rung.pareto else "")
+        table.add_row(*map(plain, (rung.family, rung.setting, rung.status)), value, error, *seconds, "●" if rung.pareto else "")
     return table
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from rich import box
 from rich.table import Table
 
 from comparison.judge import without_undefined
+from comparison.verdict import new_table, plain
 from la_core.limit import ClassicParameters, ClassicSolution, Drive, Status, solve_sequentially
 from la_core.model import Assembly
 from la_core.scene import Scene
@@ -175,13 +175,13 @@ def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float,
         f"{number_text(shared.tolerance, 2)} of the mean block weight, at most {shared.iterations} programmes"
     )
     headings = ("slope a", "relaxation b", reaction_symbol(result), "last ten", "programmes", "violation", "status", "s")
-    table = Table(*headings, title=title.replace("[", r"\["), box=box.SIMPLE_HEAD, title_justify="left")
+    table = new_table(*headings, title=title)
     for trial in result.trials:
         values = [_shown(trial.value / result.divisor, 5), _range(trial, result.divisor)]
         ends = [str(trial.iterations), _shown(trial.violation, 2), STATUS_WORDS[trial.status], number_text(trial.seconds, 2)]
         table.add_row(number_text(trial.slope), number_text(trial.relaxation), *values, *ends)
     for name, (value, programmes) in (references or {}).items():
-        table.add_row(name.replace("[", r"\["), "", _shown(value / result.divisor, 5), "", number_text(programmes), "", "", "")
+        table.add_row(plain(name), "", _shown(value / result.divisor, 5), "", number_text(programmes), "", "", "")
     return table
 
 

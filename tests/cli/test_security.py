@@ -1,5 +1,6 @@
 """What others wrote is data: nothing listens, nothing outside of a folder is touched, nothing in a text is obeyed, sizes are bounded."""
 
+import io
 import json
 import os
 import shutil
@@ -16,12 +17,20 @@ import numpy as np
 import pytest
 import scenes
 from processes import listening, tree
+from rich.console import Console
+from rich.table import Table
 
+from comparison.campaign.report.compare import Change, Comparison
+from comparison.campaign.report.compare_report import terminal_tables
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, CANNOT_STAND
+from comparison.cli.layout import show_table
+from comparison.studies.cost import CostStudy, cost_table
+from comparison.studies.sensitivity import Sensitivity, sensitivity_table
 from la_core import exchange
 from la_core.errors import SceneError, visible
 from la_core.exchange import checksummed_file
+from la_core.limit import ClassicParameters
 from la_core.scene import reading, scene
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -173,6 +182,28 @@ def test_markup_in_titles_and_names_stays_text_wherever_it_is_shown(
     assert page.tags.count("script") == 3 and shown in " ".join("".join(page.data).split())
     markdown = (out / "report.md").read_text(encoding="utf-8")
     assert "script" in markdown and "<script" not in markdown.replace("\\<", "") and "![x]" not in markdown and "[red]x" not in markdown
+
+
+def table_of_costs() -> Table:
+    return cost_table(CostStudy("s", MARKUP, "reaction", "N", {"prediction": (0.5, "the exact value")}, ()), "prediction")
+
+
+def table_of_sensitivity() -> Table:
+    return sensitivity_table(Sensitivity(MARKUP, "reaction", "N", 1.0, ClassicParameters(), ()), {"associated": (1.0, 1)})
+
+
+def table_of_changes() -> Table:
+    change = Change(MARKUP, "verdict", "verdict", "agree", "disagree")
+    (table,) = terminal_tables(Comparison(("a", "b"), ("a", "b"), 1, [], [], [], [change], [], [], []))
+    return table
+
+
+@pytest.mark.parametrize("made", [table_of_costs, table_of_sensitivity, table_of_changes])
+def test_markup_stays_text_in_the_tables_of_studies_and_comparisons(made: Callable[[], Table]) -> None:
+    """A study lost what it had measured for minutes to a bracket in a title."""
+    console = Console(file=io.StringIO(), width=500, soft_wrap=True, emoji=False)
+    show_table(console, made())
+    assert MARKUP in console.file.getvalue()  # type: ignore[attr-defined]
 
 
 # --- files --------------------------------------------------------------------------------------------------------------------

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.table import Table
 
 from comparison.campaign.report.compare import Change, Comparison, Cost
@@ -13,7 +12,7 @@ from comparison.judge import without_undefined
 from comparison.numbers import DASH, format_number, plural, signed
 from comparison.report import template_environment
 from comparison.run_folder import write_text
-from comparison.verdict import ANSWERS
+from comparison.verdict import ANSWERS, new_table, plain
 
 WHAT = {
     "least": "least, associated",
@@ -149,9 +148,7 @@ def _rendered(comparison: Comparison, suffix: str) -> str:
 
 
 def _terminal(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
-    table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for column in table.columns:
-        column.overflow = "fold"
+    table = new_table(*headings, title=title)
     for row in rows:
-        table.add_row(*(cell.replace("[", r"\[") for cell in row))
+        table.add_row(*map(plain, row))
     return table

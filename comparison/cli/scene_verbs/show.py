@@ -89,7 +89,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
     """Return a table of scene facts, one per row, without the effects and the warnings."""
     units = {"weight": "N", "inset": "m"}
-    table = tables.new_table("what", "value", "unit", title=tables.plain(title))
+    table = tables.new_table("what", "value", "unit", title=title)
     table.add_row("scene", tables.plain(facts["scene"]), "")
     table.add_row("dimensions (x, y, z)", " × ".join(number_text(length, 4) for length in facts["dimensions"]), "m")
     table.add_row("density", _several(facts["densities"]), "kg/m3")
