@@ -1,7 +1,7 @@
 """One scene through both methods, stage by stage; a stage whose inputs did not change is not run again. Scenes go side by side."""
 
 from comparison.limit_analysis import Listener
-from comparison.workflow.harder import try_harder
+from comparison.workflow.harder import refuse_names_of_attempts, try_harder
 from comparison.workflow.one_scene import report_again, run_scene
 from comparison.workflow.stages import COMPARISON_CODE, REPEATED, YADE_CODE
 from comparison.workflow.worker_processes import ATTEMPTS, StoppedError, WorkerProcesses
@@ -14,6 +14,7 @@ __all__ = [
     "Listener",
     "StoppedError",
     "WorkerProcesses",
+    "refuse_names_of_attempts",
     "report_again",
     "run_scene",
     "try_harder",

@@ -5,7 +5,7 @@ second attempt is as blind as the first. The first verdict is kept, and the seco
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from comparison.numbers import plural
 from comparison.settings import HARDER_SECONDS
 from comparison.verdict import Verdict
 from comparison.workflow.one_scene import run_scene
+from la_core.errors import SceneError
 from la_core.exchange import EARLIER_ATTEMPT, TRAVEL_PERIODS
 from la_core.scene import Scene, same_structure
 
@@ -64,6 +65,16 @@ def try_harder(
     harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SUFFIX}")
     of_yade = seconds - DEARER_PATHS * _prediction_seconds(first)
     return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
+
+
+def refuse_names_of_attempts(scenes: Iterable[Scene]) -> None:
+    """Raise SceneError for a scene that has the name of another one's second attempt: the two would share a folder of results."""
+    by_name = {scene.name: scene for scene in scenes}
+    for name, scene in by_name.items():
+        other = by_name.get(f"{name}{SUFFIX}")
+        if other is not None and scene.effort != "high":  # such a scene has no second attempt
+            rule = f'"{other.name}" is also the name of the second attempt of {scene.path}, and each needs a folder of its own'
+            raise SceneError(str(other.path), rule, hint="rename one file, or run the two in different folders (-o)")
 
 
 def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from comparison.cli.commands import main
-from la_core.scene import shipped
+from comparison.workflow import refuse_names_of_attempts
+from la_core.scene import load, shipped, variant
 
 
 @pytest.mark.parametrize(
@@ -58,6 +59,21 @@ def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.Captu
     shutil.copy(shipped.find("two_pads"), copy)
     assert main(["run", "two_pads", str(copy), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
     assert "same name" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--try-harder"], ["--try-harder-limit", "60"]])
+def test_a_scene_with_the_name_of_another_one_s_second_attempt_is_refused(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The second attempt was lost: the other scene's results were written over it."""
+    paths = [tmp_path / f"{name}.toml" for name in ("x", "x_harder")]
+    for path in paths:
+        shutil.copy(shipped.find("two_pads"), path)
+    assert main(["run", *map(str, paths), "-o", str(tmp_path / "out"), "--no-yade", *words]) == 2
+    said = capsys.readouterr().err
+    assert "is also the name of the second attempt" in said and all(str(path) in said for path in paths)
+    assert not (tmp_path / "out").exists()
+    refuse_names_of_attempts([variant(load(path), {"effort": "high"}, name=path.stem) for path in paths])  # no second attempt is left
 
 
 def test_an_expected_value_of_the_wrong_kind_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

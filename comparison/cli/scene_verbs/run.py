@@ -11,7 +11,7 @@ from comparison.errors import FolderInUseError, StderrConsole, WorkerLostError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
 from comparison.settings import HARDER_SECONDS
-from comparison.workflow import WorkerProcesses, run_scene, try_harder
+from comparison.workflow import WorkerProcesses, refuse_names_of_attempts, run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
 from la_core.scene import full_model, load_scene, same_structure, shipped
@@ -79,9 +79,13 @@ def _run_one(model: StructuralModel, options: argparse.Namespace, narration: Nar
     with_yade = not options.no_yade
     first = run_scene(model, options.output / model.scene.name, narration, with_yade, options.time_limit)
     yield first
-    if options.try_harder or options.try_harder_limit:
+    if _may_try_harder(options):
         again = try_harder(first, model.scene, options.output, narration, with_yade, options.try_harder_limit or HARDER_SECONDS)
         yield from [again] if again is not None else []
+
+
+def _may_try_harder(options: argparse.Namespace) -> bool:
+    return options.try_harder or options.try_harder_limit is not None
 
 
 def _models(options: argparse.Namespace) -> list[StructuralModel]:
@@ -94,4 +98,6 @@ def _models(options: argparse.Namespace) -> list[StructuralModel]:
     if options.threads is not None:
         scenes = [same_structure(scene, {"yade.threads": options.threads}, scene.name) for scene in scenes]
     refuse_names(scenes)
+    if _may_try_harder(options):
+        refuse_names_of_attempts(scenes)
     return [structural_model(scene) for scene in scenes]
