@@ -1,5 +1,6 @@
 """Results as ParaView files: blocks with their mechanisms, contact forces, and YADE's states over the settlement."""
 
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ def export_results(results: Results, folder: Path) -> list[Path]:
     results : Results
         Stored results of one scene.
     folder : Path
-        Created where it does not exist. Files of an earlier export are replaced.
+        Created where it does not exist. Files of an earlier export are replaced or deleted.
     """
     analysis, run = results.analysis, results.run
     folder.mkdir(parents=True, exist_ok=True)
@@ -47,15 +48,14 @@ def export_results(results: Results, folder: Path) -> list[Path]:
     write_grid(folder / "joints.vtu", _joints_grid(assembly, mechanisms, forces, field))
     write_collection(folder / "structure.pvd", [(0.0, ("blocks.vtu", "forces.vtu", "joints.vtu"))])
     if run is None or not len(run.poses.settlement):
+        (folder / "yade.pvd").unlink(missing_ok=True)
+        _delete_states(folder)
         return [folder / "structure.pvd"]
     return [folder / "structure.pvd", _export_states(assembly, run, folder, field)]
 
 
 def _export_states(assembly: Assembly, run: Run, folder: Path, field: dict[str, Any]) -> Path:
-    """Write YADE's stored states as a series and return its path.
-
-    Remaining grids of an earlier, longer series are deleted.
-    """
+    """Write YADE's stored states as a series in place of any earlier one, and return its path."""
     rows = []
     for number, settlement in enumerate(run.poses.settlement):
         names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
@@ -63,12 +63,17 @@ def _export_states(assembly: Assembly, run: Run, folder: Path, field: dict[str, 
         write_grid(folder / names[0], _blocks_grid(assembly.blocks, {"displacement (m)": moved}, field))
         write_grid(folder / names[1], _forces_grid(assembly, {"force_yade (N)": run.poses.forces[number]}, field))
         rows.append((1e3 * float(settlement), names))  # mm or mrad
-    written = {name for _, names in rows for name in names}
-    for old in folder.glob("yade-*-[0-9][0-9][0-9][0-9].vtu"):
-        if old.name not in written:
-            old.unlink()
+    _delete_states(folder, {name for _, names in rows for name in names})
     write_collection(folder / "yade.pvd", rows)
     return folder / "yade.pvd"
+
+
+def _delete_states(folder: Path, but: Collection[str] = ()) -> None:
+    """Delete the grids of an earlier series, but for those of some names: they may be of another structure."""
+    for kind in ("blocks", "forces"):
+        for old in folder.glob(f"yade-{kind}-[0-9][0-9][0-9][0-9].vtu"):
+            if old.name not in but:
+                old.unlink()
 
 
 def _mechanisms(results: Results) -> dict[str, np.ndarray]:

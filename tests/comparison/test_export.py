@@ -178,6 +178,16 @@ def test_a_shorter_series_leaves_nothing_of_a_longer_one(tmp_path: Path) -> None
     assert sorted(path.name for path in tmp_path.glob("yade-*")) == ["yade-blocks-0000.vtu", "yade-forces-0000.vtu", "yade-notes.vtu"]
 
 
+def test_an_export_without_yade_leaves_nothing_of_an_earlier_run(tmp_path: Path) -> None:
+    """It may have been of another structure; files of the user's stay."""
+    analysis = analyse(scenes.shipped("two_pads"))
+    export_results(Results(analysis, turning_run(analysis, [0.0, 0.1])), tmp_path)
+    for name in ("yade-notes.vtu", "yade-notes-0001.vtu"):
+        (tmp_path / name).write_text("mine")
+    assert export_results(Results(analyse(scenes.shipped("two_blocks")), None), tmp_path) == [tmp_path / "structure.pvd"]
+    assert sorted(path.name for path in tmp_path.glob("yade*")) == ["yade-notes-0001.vtu", "yade-notes.vtu"]
+
+
 def test_every_file_of_a_collection_exists(trilith: tuple[LimitAnalysis, Path]) -> None:
     _, folder = trilith
     files = [name for _, _, name in collection(folder / "structure.pvd")]
