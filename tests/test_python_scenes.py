@@ -126,6 +126,13 @@ def test_the_text_of_a_scene_is_not_taken_for_its_path() -> None:
     assert len(str(refused.value)) < 250
 
 
+@pytest.mark.parametrize("name", ["x" * 5000, "x" * 5000 + ".toml", "a/" * 5000 + "b"])
+def test_a_name_that_no_file_can_have_names_no_scene(name: str) -> None:
+    with pytest.raises(la_core.SceneError, match=r"^scene = .*: cannot be read: File name too long; give the path of a scene") as refused:
+        la_core.load(name)
+    assert len(str(refused.value)) < 250
+
+
 @pytest.mark.parametrize("changes", [{"yade.speed": 0.0}, {"block[2].role": "fixed"}], ids=["yade", "role"])
 def test_every_fault_of_a_variant_names_what_it_is_a_variant_of(changes: dict[str, object]) -> None:
     with pytest.raises(la_core.SceneError, match=r"^variant of two_pads: "):

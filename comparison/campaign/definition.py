@@ -187,13 +187,25 @@ def shipped_campaigns() -> dict[str, Path]:
 
 
 def find_campaign(path_or_name: Path) -> Path:
-    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists, or both do."""
+    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists, or both do.
+
+    Also where the system refuses to look there, as for a name that is too long.
+    """
+    try:
+        return _found(path_or_name)
+    except OSError as error:
+        hint = "give the path of a campaign file, or the name of a shipped campaign"
+        raise SceneError("campaign", f"cannot be read: {error.strerror}", value=str(path_or_name), hint=hint) from error
+
+
+def _found(path_or_name: Path) -> Path:
     known = shipped_campaigns()
-    name, complete = str(path_or_name), path_or_name.with_name(f"{path_or_name.name}.toml")
+    name = str(path_or_name)
+    complete = path_or_name.with_name(f"{path_or_name.name}.toml") if path_or_name.name else path_or_name  # "." has no name
     if name in known:
         shipped.refuse_two(name, known[name], (path_or_name, complete), "campaign")
         return known[name]
-    if path_or_name.suffix == ".toml" or path_or_name.exists():
+    if path_or_name.exists() or path_or_name.suffix == ".toml":
         return path_or_name
     if complete.is_file():
         return complete

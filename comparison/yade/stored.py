@@ -1,6 +1,8 @@
 """Stored results of both methods: find the folder of a scene and read them."""
 
+import errno
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -110,7 +112,17 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
 def among_results(name: str) -> str:
     """Return a hint with the path of the stored results of this name, as the end of a message; "" where none are stored."""
     folder = load_settings().settings.output / name
-    return f'did you mean "{folder}"?' if (folder / "case.h5").is_file() else ""
+    return f'did you mean "{folder}"?' if _holds((folder / "case.h5").is_file) else ""
+
+
+def _holds(question: Callable[[], bool]) -> bool:
+    """Return the answer to a question about a path; nothing has a name that is too long for the system."""
+    try:
+        return question()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            return False
+        raise
 
 
 def locate_results(source: str) -> list[Path]:
@@ -119,9 +131,9 @@ def locate_results(source: str) -> list[Path]:
     Raises SceneError for a folder without results.
     """
     folder = Path(source)
-    is_scene = source in shipped.names() or Path(f"{source}.toml").is_file()  # a scene beside a folder of its name
-    if not folder.is_dir():
-        if not is_scene and (hint := among_results(source)):
+    is_scene = source in shipped.names() or _holds(Path(f"{source}.toml").is_file)  # a scene beside a folder of its name
+    if not source or not _holds(folder.is_dir):
+        if source and not is_scene and (hint := among_results(source)):
             raise SceneError(source, "neither a folder of results, a file nor a shipped scene", hint=hint)
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))

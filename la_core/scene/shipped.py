@@ -37,16 +37,24 @@ def place(name: str) -> Path:
 def find(scene: str, folder: Path = Path()) -> Path:
     """Path of a scene given by path from a folder on, with or without `.toml`, or by a shipped scene's name.
 
-    Raises SceneError where there is neither, and where a name is that of a shipped scene and of a file in the folder.
+    Raises SceneError where there is neither, where the system refuses to look there, as for a name that is too long, and where a name is
+    that of a shipped scene and of a file in the folder.
     """
+    hint = "give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them"
     if not scene:
-        raise SceneError('""', "names no scene", hint="give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them")
-    path = folder / scene
+        raise SceneError('""', "names no scene", hint=hint)
+    try:
+        return _found(scene, folder / scene)
+    except OSError as error:
+        raise SceneError("scene", f"cannot be read: {error.strerror}", value=scene, hint=hint) from error
+
+
+def _found(scene: str, path: Path) -> Path:
     complete = path.with_name(f"{path.name}.toml") if path.name else path
     if scene in names():
         refuse_two(scene, place(scene), (path, complete), "scene")
         return place(scene)
-    if path.suffix == ".toml" or path.is_file():
+    if path.is_file() or path.suffix == ".toml":
         return path
     if complete.is_file():
         return complete

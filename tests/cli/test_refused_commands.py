@@ -10,6 +10,25 @@ from comparison.workflow import refuse_names_of_attempts
 from la_core.scene import load, shipped, variant
 
 
+@pytest.mark.parametrize("verb", ["solve", "run", "export", "animate", "campaign"])
+def test_a_name_that_no_file_can_have_is_a_slip_of_the_user(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([verb, "x" * 5000]) == 2
+    said = capsys.readouterr().err
+    assert "cannot be read: File name too long; give the path of a" in said and len(said) < 300
+
+
+def test_what_names_nothing_is_not_taken_for_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As an unset variable of the shell does, or a dot in the place of a campaign."""
+    (tmp_path / "two_pads").mkdir()
+    (tmp_path / "two_pads" / "case.h5").touch()
+    monkeypatch.chdir(tmp_path)
+    for words, told in ((["export", ""], "names no scene"), (["animate", ""], "names no scene"), (["campaign", "."], "not a file")):
+        assert main(words) == 2
+        assert told in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
