@@ -1,19 +1,28 @@
-"""Verbs and options of the command line, and the types of their values; a type raises argparse's error for an invalid text."""
+"""Verbs and options of the command line."""
 
 import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+from comparison.cli.argument_types import (
+    accuracy,
+    count,
+    figure,
+    frames_per_second,
+    given_path,
+    moving_picture,
+    page,
+    scene_file,
+    seconds,
+    words,
+)
 from comparison.cli.exit_codes import MEANINGS
 from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
-from comparison.run_folder import FIGURE_FORMATS, HEAD, MOST_FRAMES, MOVING_FORMATS, require_folder_of
-from comparison.settings import HARDER_SECONDS, MOST_WORKERS
-from la_core.errors import OF_LOCALE, is_of_locale, visible
-from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
+from comparison.run_folder import HEAD
+from comparison.settings import HARDER_SECONDS
 
 TUTORIALS = Path("crosscheck-tutorial")
-PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 SCENE_HELP = "path of a scene file, or the name of a shipped scene"
 LONG_HELP = "the whole table, also where it is wider than the terminal"
@@ -74,7 +83,7 @@ def _add_new(add: AddVerb) -> None:
     what = new.add_mutually_exclusive_group()
     what.add_argument("kind", metavar="KIND", nargs="?", help="kind of structure (default: list the kinds)")
     from_help = "in place of KIND: drawing (DXF, SVG) or bodies (OBJ, PLY, STL, JSON of COMPAS) that the scene is to read"
-    what.add_argument("--from", dest="source", type=Path, metavar="SOURCE", help=from_help)
+    what.add_argument("--from", dest="source", type=given_path, metavar="SOURCE", help=from_help)
     output_help = "scene file to write (default: KIND.toml, or SOURCE with the ending .toml)"
     new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help=output_help)
 
@@ -104,7 +113,7 @@ def _add_solve(add: AddVerb) -> None:
     path_help = "also follow the reaction from rest over one travel of YADE, like a [path] table in the scene; stores nothing"
     extent.add_argument("--path", action="store_true", help=path_help)
     results_help = "folder of `crosscheck run`, where the answer is stored and found again (default: crosscheck-results, or as configured)"
-    solve.add_argument("--results", type=Path, metavar="DIR", help=results_help)
+    solve.add_argument("--results", type=given_path, metavar="DIR", help=results_help)
     solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
     solve.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=ACCURACY_HELP)
     solve.add_argument("--long", action="store_true", help="also residuals, iterations and seconds")
@@ -120,7 +129,9 @@ def _add_sensitivity(add: AddVerb) -> None:
 def _add_cost(add: AddVerb) -> None:
     cost = add("cost", "measure the cost of accuracy: error against seconds for all methods and settings, as table and figure")
     cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
-    cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
+    cost.add_argument(
+        "-o", "--output", type=given_path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})"
+    )
     cost.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     beside = "runs of YADE that go on side by side; their seconds are then those of a busier machine (default: 1)"
     cost.add_argument("--workers", type=count, metavar="N", default=1, help=beside)
@@ -132,7 +143,7 @@ def _add_run(add: AddVerb) -> None:
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
     run.set_defaults(configured=("output", "time_limit"))
     output_help = "folder of the results (default: crosscheck-results, or as configured)"
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", help=output_help)
+    run.add_argument("-o", "--output", type=given_path, metavar="DIR", help=output_help)
     run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=ACCURACY_HELP)
     run.add_argument(
         "--full", action="store_true", help="model every effect; results go to the folder SCENE_full, beside those of the reduced model"
@@ -157,8 +168,10 @@ def _add_campaign(add: AddVerb) -> None:
     campaign = add("campaign", "run many scenes, or one scene over ranges of its keys, in parallel; finished cases are not run again")
     campaign.set_defaults(configured=("workers", "time_limit"))
     file_help = "campaign file (TOML) with scenes and ranges of their keys, or the name of a shipped campaign, such as seed_paper"
-    campaign.add_argument("campaign", metavar="FILE", type=Path, help=file_help)
-    campaign.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)")
+    campaign.add_argument("campaign", metavar="FILE", type=given_path, help=file_help)
+    campaign.add_argument(
+        "-o", "--output", type=given_path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)"
+    )
     where = campaign.add_mutually_exclusive_group()
     where.add_argument("--workers", type=count, metavar="N", help="number of processes on this machine (default: its cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
@@ -171,15 +184,15 @@ def _add_campaign(add: AddVerb) -> None:
 def _add_compare(add: AddVerb) -> None:
     text = "compare two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; exit code 1 if they differ"
     compare = add("compare", text)
-    compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
-    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after the change")
+    compare.add_argument("before", metavar="DIR1", type=given_path, help="folder of `crosscheck campaign`, before the change")
+    compare.add_argument("after", metavar="DIR2", type=given_path, help="folder of `crosscheck campaign`, after the change")
     compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
 
 
 def _add_report(add: AddVerb) -> None:
     report = add("report", "write the report again from stored results")
     folder_help = "folder of `crosscheck run` (that of one of its scenes stands for the whole run), or of `crosscheck campaign`"
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help=folder_help)
+    report.add_argument("folders", metavar="DIR", nargs="+", type=given_path, help=folder_help)
     report.add_argument("--pdf", action="store_true", help="also print the report to report.pdf (A4); needs Chromium or Chrome")
     report.add_argument("--long", action="store_true", help=LONG_HELP)
     _add_head(report)
@@ -196,7 +209,7 @@ def _add_export(add: AddVerb) -> None:
     export.add_argument(
         "source", metavar="DIR|SCENE", help="folder of `crosscheck run`, or of one of its scenes, or a scene, which is solved first"
     )
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder to write the files to (default: SCENE-paraview)")
+    export.add_argument("-o", "--output", type=given_path, metavar="FOLDER", help="folder to write the files to (default: SCENE-paraview)")
 
 
 def _add_animate(add: AddVerb) -> None:
@@ -216,7 +229,7 @@ def _add_tutorial(add: AddVerb) -> None:
     tutorial = add("tutorial", "tutorials for students: list them, run one, or write notebooks")
     tutorial.add_argument("name", metavar="NAME", nargs="?", help="tutorial to run (default: list them)")
     output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
-    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
+    tutorial.add_argument("-o", "--output", type=given_path, metavar="DIR", default=TUTORIALS, help=output_help)
     tutorial.add_argument("--notebook", action="store_true", help="write the notebook NAME.ipynb, or all of them, and run nothing")
 
 
@@ -227,73 +240,3 @@ def _add_doctor(add: AddVerb) -> None:
 def _add_completion(add: AddVerb) -> None:
     completion = add("completion", "print the script with which a shell completes commands, options and scenes")
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
-
-
-def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
-    """Return a type for paths to write, with one of these endings; `what` names the file in the error message, such as 'a figure'.
-
-    The type raises SceneError for a path whose folder does not exist.
-    """
-
-    def path_of(text: str) -> Path:
-        path = Path(text)
-        if path.suffix not in endings:
-            *others, last = endings
-            choices = f"{', '.join(others)} or {last}" if others else last
-            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
-        require_folder_of(path)  # told before the work of the command, which would be lost
-        return path
-
-    return path_of
-
-
-figure = ending_in(FIGURE_FORMATS, "a figure")
-moving_picture = ending_in(MOVING_FORMATS, "an animation")
-page = ending_in(PAGE_FORMATS, "a page")
-scene_file = ending_in((".toml",), "a scene file")
-
-
-def words(text: str) -> str:
-    """Parse a text for a report: as in a scene file, without control characters and in UTF-8."""
-    if visible(text) != text:
-        rule = OF_LOCALE if is_of_locale(text) else "must be text without control characters, in UTF-8"
-        raise argparse.ArgumentTypeError(f"{visible(text)}: {rule}")
-    return text
-
-
-def frames_per_second(text: str) -> int:
-    """Parse a frame rate: a whole number from 1 to MOST_FRAMES."""
-    value = int(text) if text.isdecimal() else 0
-    if not 1 <= value <= MOST_FRAMES:
-        raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_FRAMES}")
-    return value
-
-
-def accuracy(text: str) -> float:
-    """Parse a share such as "1%" or "0.01", from LEAST_ACCURACY to MOST_ACCURACY."""
-    number, percent = text.strip().removesuffix("%"), text.strip().endswith("%")
-    try:
-        value = round(float(number) / (100.0 if percent else 1.0), 12)
-    except ValueError:
-        value = 0.0
-    if not LEAST_ACCURACY <= value <= MOST_ACCURACY:
-        raise argparse.ArgumentTypeError(f"{text}: must be a share from {LEAST_ACCURACY:.1%} to {MOST_ACCURACY:.0%}, such as 1%")
-    return value
-
-
-def count(text: str) -> int:
-    """Parse a whole number from 1 to MOST_WORKERS."""
-    if not (text.isdecimal() and 1 <= int(text[:9]) <= MOST_WORKERS):
-        raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_WORKERS}")
-    return int(text)
-
-
-def seconds(text: str) -> float:
-    """Parse a positive, finite number of seconds."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text}: must be a positive number of seconds")
-    return value

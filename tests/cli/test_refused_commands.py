@@ -1,11 +1,14 @@
 """A command that is refused, or fails, says why in one message and ends with the exit code of that kind."""
 
 import shutil
+from argparse import ArgumentTypeError
 from pathlib import Path
 
 import pytest
 
+from comparison.cli.arguments import parser
 from comparison.cli.commands import main
+from comparison.cli.help_verbs.completion import actions
 from comparison.workflow import refuse_names_of_attempts
 from la_core.scene import load, shipped, variant
 
@@ -27,6 +30,25 @@ def test_what_names_nothing_is_not_taken_for_the_current_folder(
     for words, told in ((["export", ""], "names no scene"), (["animate", ""], "names no scene"), (["campaign", "."], "not a file")):
         assert main(words) == 2
         assert told in capsys.readouterr().err
+
+
+def test_an_empty_path_is_refused_by_every_option_and_argument_that_takes_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`-o "$OUT"` with an unset variable filled the current folder with results."""
+    monkeypatch.chdir(tmp_path)
+    paths = ("DIR", "DIR1", "DIR2", "FOLDER", "FIG", "MOVIE", "PAGE", "SOURCE", "FILE")
+    for action in actions(parser()):
+        if action.metavar in paths or (action.metavar == "SCENE" and action.option_strings):
+            assert callable(action.type)
+            with pytest.raises(ArgumentTypeError, match="must be the path of a file or folder"):
+                action.type("")
+    for words in ("run two_pads --no-yade -o", "solve two_pads --results", "tutorial wall -o", "new arch -o", "report", "compare x"):
+        with pytest.raises(SystemExit) as stop:
+            main([*words.split(), ""])
+        said = capsys.readouterr().err
+        assert stop.value.code == 2 and "must be the path of a file or folder; an unset variable" in said
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,11 @@ import shtab
 
 from comparison.campaign import shipped_campaigns
 from comparison.cli import arguments
+from comparison.cli.argument_types import PAGE_FORMATS
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.cli.help_verbs.tutorial import NAMES
+from comparison.run_folder import FIGURE_FORMATS, MOVING_FORMATS
 from la_core.scene import SOURCE_FORMATS, shipped, starter_names, tables_of_schema
 
 _BASH = """
@@ -56,7 +58,7 @@ def _set_completions(parser: argparse.ArgumentParser) -> None:
     """Set the completions that shtab offers for each argument, by the argument's metavar."""
     scene, campaign = _named_or_file("scene", shipped.names()), _named_or_file("campaign", shipped_campaigns())
     of_kind = {"SCENE": scene, "DIR|SCENE": scene, "FILE": campaign} | dict.fromkeys(("DIR", "DIR1", "DIR2", "FOLDER"), shtab.DIRECTORY)
-    formats = {"FIG": arguments.FIGURE_FORMATS, "MOVIE": arguments.MOVING_FORMATS, "PAGE": arguments.PAGE_FORMATS}
+    formats = {"FIG": FIGURE_FORMATS, "MOVIE": MOVING_FORMATS, "PAGE": PAGE_FORMATS}
     formats["SOURCE"] = SOURCE_FORMATS
     of_kind |= {kind: shtab.glob(*(f"*{ending}" for ending in endings)) for kind, endings in formats.items()}
     words = {"NAME": NAMES, "KIND": starter_names(), "TABLE": tables_of_schema()}
