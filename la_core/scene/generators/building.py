@@ -93,9 +93,13 @@ def _lines(building: Building) -> list[Line]:
 def _placed(building: Building, line: Line, flat: Shape) -> Shape:
     """A solid of a wall along x from the origin, in its place; a wall along y is one along x after a quarter turn about z."""
     thickness = building.block[1]
-    across, along, up = flat.vertices[:, 1], flat.vertices[:, 0], flat.vertices[:, 2]
-    plan = np.stack([along, across] if line.axis == 0 else [thickness - across, along], axis=1)
-    return Shape(np.column_stack([plan + line.low, up]) + building.origin, flat.faces)
+
+    def motion(points: np.ndarray) -> np.ndarray:
+        along, across, up = points[..., 0], points[..., 1], points[..., 2]
+        plan = np.stack([along, across] if line.axis == 0 else [thickness - across, along], axis=-1)
+        return np.concatenate([plan + line.low, up[..., None]], axis=-1) + building.origin
+
+    return flat.moved(motion)
 
 
 def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
