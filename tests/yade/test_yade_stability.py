@@ -77,15 +77,12 @@ def test_spheres_sink_in_by_a_small_share_of_their_radius(name: str, cross_check
 
 
 @pytest.mark.parametrize("factor", [0.1, 100.0])
-def test_much_softer_or_stiffer_joints_agree_or_say_why_not(factor: float, cross_checked: CrossCheck, tmp_path: Path) -> None:
+def test_much_softer_or_stiffer_joints_come_to_the_same_reaction(factor: float, cross_checked: CrossCheck, tmp_path: Path) -> None:
     found = cross_checked("trilith")
     path = with_settings("trilith", tmp_path / "joints.toml", normal_stiffness=factor * found.analysis.stiffness.normal)
-    code = main(["run", str(path), "-o", str(tmp_path / "out"), "-q", "--time-limit", "120"])
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
     summary = json.loads((tmp_path / "out" / "joints" / "comparison.json").read_text())
-    if code == 0:
-        assert summary["yade"]["reaction"] == pytest.approx(found.run.result.reaction, rel=5e-3)
-    else:
-        assert code == 4 and summary["reason"]
+    assert summary["yade"]["reaction"] == pytest.approx(found.run.result.reaction, rel=5e-3)
 
 
 @pytest.mark.yade
