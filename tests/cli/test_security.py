@@ -272,25 +272,36 @@ def test_a_scene_s_text_and_blocks_are_limited(tmp_path: Path, two_pads: str, mo
 WALL = "origin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 3\ncourses = 3\n"
 
 
-SLOW = {
-    "signs": "x = " + "=" * 60_000,
-    "braces": "x = " + "{" * 60_000 + "}",
-    "a deep key": "a." * 100_000 + "b = 1",
-    "a deep table": "[" + "a." * 100_000 + "b]",
-    "a deep key in quotes": '"a \\" b".' * 50_000 + "b = 1",
-    "a deep key in braces": "x = { " + "a." * 100_000 + "b = 1 }",
+SLOW: dict[str, Callable[[int], str]] = {  # lines of a length
+    "signs": lambda count: "x = " + "=" * count,
+    "braces": lambda count: "x = " + "{" * count + "}",
+    "a deep key": lambda count: "a." * count + "b = 1",
+    "a deep table": lambda count: "[" + "a." * count + "b]",
+    "a deep key in quotes": lambda count: '"a \\" b".' * count + "b = 1",
+    "a deep key in braces": lambda count: "x = { " + "a." * count + "b = 1 }",
 }
+LONG_LINE = 50_000
+GROWTH, NOISE = 3.0, 0.1  # of the processor's seconds of a line twice as long: the square takes four times as many; s of other work
+
+
+def seconds_to_refuse(text: str, path: Path) -> float:
+    """Least seconds of the processor, of three times: other processes of a busy machine take none of them."""
+    path.write_text(text)
+    spent = []
+    for _ in range(3):
+        begin = time.process_time()
+        with pytest.raises(SceneError) as error:
+            load_scene(path)
+        spent.append(time.process_time() - begin)
+        assert len(str(error.value)) < 300
+    return min(spent)
 
 
 @pytest.mark.parametrize("line", SLOW.values(), ids=SLOW)
-def test_no_line_of_a_scene_takes_the_square_of_its_length(line: str, tmp_path: Path, two_pads: str) -> None:
+def test_no_line_of_a_scene_takes_the_square_of_its_length(line: Callable[[int], str], tmp_path: Path, two_pads: str) -> None:
     """Each took minutes, the second half by Python's own reader."""
-    path = tmp_path / "scene.toml"
-    path.write_text(f"{two_pads}\n{line}\n")
-    begin = time.monotonic()
-    with pytest.raises(SceneError) as error:
-        load_scene(path)
-    assert time.monotonic() - begin < 10.0 and len(str(error.value)) < 300
+    once, twice = (seconds_to_refuse(f"{two_pads}\n{line(count)}\n", tmp_path / "scene.toml") for count in (LONG_LINE, 2 * LONG_LINE))
+    assert twice < GROWTH * once + NOISE
 
 
 def test_numbers_and_words_between_dots_are_no_deep_key(tmp_path: Path, two_pads: str) -> None:
