@@ -14,6 +14,7 @@ import pytest
 from faulty_runs import Fake
 from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
+from paths import with_reports
 
 from comparison.cli.commands import main
 from comparison.figures import report_figures
@@ -173,6 +174,18 @@ def without_yade(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("without_yade") / "out"
     assert main(["run", "two_pads", "-o", str(out), "-q", "--no-yade"]) == 0
     return out
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """Folder of results that does not exist yet."""
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def analysed(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """Scenes that were predicted so far."""
+    return with_reports(monkeypatch)
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 import scenes
 from faulty_runs import lasting
-from paths import with_reports
 from stored_answers import lighter, run, solve, state
 
 from comparison.cli.commands import main
@@ -17,18 +16,6 @@ from la_core.analysis import analyse, case_file
 from la_core.scene import load, shipped
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
-
-
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    """Folder of results that does not exist yet."""
-    return tmp_path / "out"
-
-
-@pytest.fixture
-def analysed(monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """Scenes that were predicted so far."""
-    return with_reports(monkeypatch)
 
 
 # --- one finds what the other found -------------------------------------------------------------------------------------------

@@ -19,18 +19,6 @@ from la_core.scene import load, shipped
 pytestmark = pytest.mark.usefixtures("plain_figures")
 
 
-@pytest.fixture
-def out(tmp_path: Path) -> Path:
-    """Folder of results that does not exist yet."""
-    return tmp_path / "out"
-
-
-@pytest.fixture
-def analysed(monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """Scenes that were predicted so far."""
-    return with_reports(monkeypatch)
-
-
 # --- what stands in the way ---------------------------------------------------------------------------------------------------
 
 
