@@ -196,9 +196,14 @@ def sag_of(case: Case, normal_stiffness: float) -> float:
     return case.sag * case.normal_stiffness / normal_stiffness
 
 
+def sway_over_sag(case: Case) -> float:
+    """Return the period of the sideways swing over that of the sag; of slender structures it is long."""
+    return math.sqrt(case.sway / case.sag)
+
+
 def slowness(case: Case) -> float:
     """Return the factor by which a run takes longer for its sideways swing; more than 1 for slender structures."""
-    return max(1.0, SWAY_SHARE * math.sqrt(case.sway / case.sag))
+    return max(1.0, SWAY_SHARE * sway_over_sag(case))
 
 
 def is_content(settings: Settings) -> bool:

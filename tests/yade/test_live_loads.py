@@ -23,6 +23,7 @@ from la_core.analysis.case_file import read_case
 from la_core.limit import Drive
 from la_core.measures import residuals
 from la_core.scene import Scene
+from la_core.scene.scene import load_scene
 from yade_scripts.driving.servo import Servo
 
 INSET = 1e-3  # m
@@ -75,6 +76,40 @@ def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
     assert analysis.coulomb is not None and analysis.coulomb.value == pytest.approx(exact, rel=PER_MILLE)
     assert run.reaction == pytest.approx(exact, rel=PER_MILLE)
     assert abs(run.reaction - exact) <= run.uncertainty <= 5.0 * PER_MILLE * exact
+
+
+TALL = """
+[stone]
+density = 2000.0
+[joint]
+friction = 0.6
+[[block]]
+name = "ground"
+role = "fixed"
+box = {{ from = [-1.0, 0.0, -0.2], to = [1.0, 0.2, 0.0] }}
+[[block]]
+name = "tall"
+box = {{ from = [0.0, 0.0, 0.0], to = [{breadth}, 0.2, {height}] }}
+[[block]]
+name = "cap"
+box = {{ from = [0.02, 0.0, {height}], to = [{breadth}, 0.2, {top}] }}
+[[friction]]
+between = ["tall", "cap"]
+friction = {friction}
+[live]
+direction = [1.0, 0.0, 0.0]
+"""
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize(("breadth", "height", "friction"), [(0.28, 1.5, 0.057), (0.4, 2.6, 0.011)])
+def test_a_block_slides_on_a_tall_one_at_the_speed_that_is_set(breadth: float, height: float, friction: float, tmp_path: Path) -> None:
+    """It slides at its friction coefficient. The servo swung with the tall block: the cap was half too fast, and no verdict came."""
+    path = tmp_path / "tall.toml"
+    path.write_text(TALL.format(breadth=breadth, height=height, top=height + 0.2, friction=friction))
+    summary, _, run = by_both(load_scene(path), tmp_path / "results")
+    assert summary["verdict"] == "agree", summary["reason"]
+    assert run.reaction == pytest.approx(friction, rel=PER_MILLE)
 
 
 @pytest.mark.yade

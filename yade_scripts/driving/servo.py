@@ -14,12 +14,12 @@ from typing import Protocol
 import numpy as np
 
 from yade_scripts.case import Case
-from yade_scripts.settings import Settings, sag_of
+from yade_scripts.settings import Settings, sag_of, sway_over_sag
 
 LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedged in
 LAG = 0.2  # largest decay of a block's motion, by the servo's dashpot, between two of its steps; beyond 2 the two swing up
-SLOWEST_SWAY = 4.0  # period of the sway over that of the sag, beyond which the servo is slower, lest it swings with blocks that stand
-SLOWEST = 5.0  # so many times: a slower one stretches over the whole travel
+LONG_SWAY = 4.0  # period of the sway over that of the sag, beyond which the servo is slower, lest it swings with blocks that stand
+SLOWEST = 5.0  # largest factor by which it is slower: a still slower servo stretches over the whole travel
 RENEWED = 0.5  # share of the remembered motion that the motion of the last window replaces
 
 
@@ -123,7 +123,7 @@ def pushed_of(case: Case) -> np.ndarray:
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
     gravity = float(np.linalg.norm(case.gravity))
-    slower = min(max(1.0, math.sqrt(case.sway / case.sag) / SLOWEST_SWAY), SLOWEST)
+    slower = min(max(1.0, sway_over_sag(case) / LONG_SWAY), SLOWEST)
     frequency = settings.servo_frequency / slower * math.sqrt(gravity / sag_of(case, settings.normal_stiffness))
     decay = 2.0 * settings.servo_damping * frequency
     # A dead load that is given as a mass is pushed and has no inertia: the block that carries it answers so many times as fast.
