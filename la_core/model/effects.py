@@ -150,7 +150,7 @@ def _depth_words(scene: Scene) -> str:
 
 def _obstacle_to_plane(scene: Scene) -> str:
     """Why the scene is not plane, or "" where it is."""
-    blocks, parts = scene.blocks, scene.blocks.parts  # of a block with dents each part spans the depth, or the dents are beside the plane
+    blocks, parts = scene.blocks, scene.blocks.parts  # a block with dents in plan spans the depth, but its parts do not
     low, high = parts.low[:, 1], parts.high[:, 1]
     depth = high.max() - low.min()
     for outlier in np.flatnonzero((low - low.min() > FLAT * depth) | (high.max() - high > FLAT * depth)):

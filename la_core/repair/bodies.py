@@ -15,8 +15,8 @@ from la_core.geometry import Shape, polyhedron
 PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of the corners of a narrow face from that which takes it in
 NARROW = 2.0  # over the tolerance: a narrower face has no direction, and joints as short as this are dropped
-FOLD = np.cos(np.radians(25.0))  # of the angle between facets that may be one face
-FARTHEST = 10.0  # over the tolerance: so far beyond its facets a body may reach where planes meet at its edges
+FOLD = np.cos(np.radians(25.0))  # of the angle between facets that may be one face: edges of blocks turn by more
+FARTHEST = 2.0  # over the tolerance: so far a body may reach beyond its facets at its edges, for deeper overlaps are not parted
 
 
 def between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:

@@ -56,9 +56,9 @@ HEADINGS = (
 INTRODUCTION = """\
 # Large structures by both methods
 
-Structures of 60 to 3,066 blocks whose right third settles, by both methods to a verdict, on a machine that does nothing else. The
-first four are walls in running bond. All are plane except *in space*, whose blocks may move in all directions. *brick facade* and *large
-facade*, 1.4 times as long and high, have five windows and a door under lintels; light work ran beside the latter. Seconds are wall time;
+Structures of 60 to 3,066 blocks whose right third settles, by both methods to a verdict. The first four are walls in running bond. All
+are plane except *in space*, whose blocks may move in all directions. *brick facade* and *large facade*, 1.4 times as long and high, have
+five windows and a door under lintels. The machine did nothing else, but for light work beside the *large facade*. Seconds are wall time;
 YADE's are those of all its attempts. A whole run adds reading, checks and numbers. *apart* is the difference of the two reactions, over
 that of YADE. Written by `python tests/benchmarks/benchmark_large.py --threads 2`.
 

@@ -92,9 +92,9 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
     size = float(np.ptp(vertices, axis=0).max())
     try:
         deepest = _deepest_dent(vertices, triangles, faces, tolerance)
-    except ValueError as error:
+    except ValueError:
         if (prism := _exact_or_surveyed_prism(vertices, triangles, faces, tolerance)) is None:
-            raise error
+            raise
         return prism, False
     if deepest <= FACE_FLATNESS * size:
         return shape, False
