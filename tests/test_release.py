@@ -90,6 +90,7 @@ def test_the_lowest_declared_versions_carry_the_program(tmp_path: Path) -> None:
     tests = [
         "inputs",
         "cli/test_security.py",
+        "cli/test_texts_of_others.py",
         "cli/test_words.py",
         "cli/test_json.py",
         "comparison/test_export.py",
