@@ -17,12 +17,12 @@ FOLDER = "figures"
 KINDS = ("prediction", "reaction", "map", "participation", "classic", "costs")
 OWN = re.compile(rf"(?:{'|'.join(KINDS)})-[1-9]\d*\.png(?:\.\d+\.part)?")  # files that this program writes there, finished or interrupted
 PREDICTION = (
-    "Left: YADE's reaction against limit analysis' prediction, equal on the dashed line. Right: their difference, linear up to 1 % and "
+    "Left: YADE's value against limit analysis' prediction, equal on the dashed line. Right: their difference, linear up to 1 % and "
     "logarithmic beyond; cases with a prediction near zero are left out there."
 )
 REACTION = (
-    "Reaction against {}: limit analysis' prediction and YADE with its uncertainty; in a panel with one line, the associated bounds and "
-    "the mechanism's interval are bands; in a panel with several, the intervals are bars beside the marks."
+    "Limit analysis' prediction and YADE with its uncertainty, against {}. In a panel with one line, the associated bounds and the "
+    "mechanism's interval are bands; in a panel with several, the intervals are bars beside the marks."
 )
 MAP = "Mechanisms over {}: one letter per mechanism (set of moving blocks), heavy lines where it changes, hatched where the methods differ."
 PARTICIPATION = "Participation index against {}: 1 if all interfaces dissipate equally, 1/J if only one of J dissipates."

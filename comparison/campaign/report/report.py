@@ -17,11 +17,13 @@ from comparison.judge import without_undefined
 from comparison.report import flat, template_environment
 from comparison.run_folder import write_text
 
+ORDER = (
+    "Cases are sorted by |YADE − prediction| over the allowed difference. It is 0.5 % of YADE's value, at least 1e-4 of the weight "
+    "(for a moment, times the size of a mean block; for a multiplier, 1e-4), plus the uncertainties that both methods state. The verdict "
+    "comes from all checks of the case."
+)
 LIMITATIONS = (
     "A campaign has the limitations of its cases: each case's own report lists those of its comparison.",
-    "Cases are ordered by the difference of the reactions over the allowed difference: 0.5 % of YADE's reaction, at least 1e-4 of "
-    "the weight (of a moment times the size of a mean block), plus the uncertainties that both methods state. The verdict comes from "
-    "all checks of the case, which judge more than the reaction.",
     "A mechanism's label is the set of blocks that move. A block that barely moves may or may not be counted: two different "
     "labels need not be two mechanisms, above all in a large wall.",
     "A mechanism changes somewhere between two neighbouring values of a parameter; more values would locate the change.",
@@ -82,6 +84,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "panels": matrix_panels(table),
         "figures": {kind: [_figure(drawing) for drawing in drawn if drawing.kind == kind] for kind in KINDS},
         "compared": rows.compared(table),
+        "order": ORDER,
         "failures": rows.failures(table),
         "changes": list(rows.changed(table, list(mechanism_changes_along(sweeps)), lettered)),
         "mechanisms": list(rows.mechanisms(table, lettered)),
