@@ -42,7 +42,9 @@ def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scen
 def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnalysis], factor: float, verdict: Verdict) -> None:
     _scene, analysis = arch
     run = perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
-    assert verdict_of("reaction against prediction", check_run(Results(analysis, run))) is verdict
+    check = next(check for check in check_run(Results(analysis, run)) if check.name == "reaction against prediction")
+    assert check.verdict is verdict
+    assert ("N (0.6" in check.reason) is (verdict is Verdict.DISAGREE)
 
 
 def test_an_earlier_level_at_the_prediction_is_not_put_down_to_friction(arch: tuple[Scene, LimitAnalysis]) -> None:

@@ -94,7 +94,9 @@ def test_a_block_that_moves_in_yade_alone_is_no_noise() -> None:
 def test_a_reaction_of_zero_that_is_not_zero_in_yade_disagrees() -> None:
     analysis = leaving(2)
     run = perfect_run(analysis, reaction=1e-3 * analysis.scene.weight)
-    assert named(REACTION, judged(analysis, run)).verdict is Verdict.DISAGREE
+    check = named(REACTION, judged(analysis, run))
+    assert check.verdict is Verdict.DISAGREE
+    assert "%" not in check.reason, "a share of nothing"
 
 
 def test_a_reaction_of_zero_is_0_wherever_a_report_states_it(tmp_path: Path) -> None:
