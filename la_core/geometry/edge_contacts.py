@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.faces import opposite_faces
-from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, near_pairs, overlaps, touching
+from la_core.geometry.faces import near_parts, opposite_faces
+from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, overlaps, touching
 from la_core.geometry.polygons import group_members, next_corners, owners
 
 SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and a block this close to its place reaches it
@@ -38,9 +38,7 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     beside them, and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
     """
     parts, owner = blocks.parts, blocks.part_block
-    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
-    pairs = near_pairs(parts, TOUCH * size)
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    size, pairs = near_parts(blocks, TOUCH)
     tolerance = TOUCH * size[pairs].min(axis=1)
     joined = _joined(blocks, pairs, tolerance, size)
     is_free = blocks.free[owner[pairs]].any(axis=1)

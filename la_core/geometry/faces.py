@@ -1,10 +1,38 @@
-"""Faces of convex blocks: pairs that may lie opposite each other, and their overlaps."""
+"""Blocks near each other, and faces of convex blocks: pairs that may lie opposite each other, and their overlaps."""
 
 import numpy as np
 import shapely
 
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of, true_corners
+
+
+def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2) of blocks, a < b, whose bounding boxes touch when each is enlarged by its block's margin (B,), m.
+
+    A tree of rectangles finds the boxes that touch in two directions; the third, along which the fewest blocks follow each
+    other, is compared for these alone. A wall has one or two leaves in its thickness, so that the search grows as N log N.
+    """
+    low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
+    follow = (high.max(axis=0) - low.min(axis=0)) / np.median(high - low, axis=0)
+    third, *seen = np.argsort(follow, kind="stable").tolist()
+    boxes = shapely.box(low[:, seen[0]], low[:, seen[1]], high[:, seen[0]], high[:, seen[1]])
+    a, b = shapely.STRtree(boxes).query(boxes)
+    meet = (a < b) & (low[a, third] <= high[b, third]) & (low[b, third] <= high[a, third])
+    pairs = np.stack([a[meet], b[meet]], axis=1)
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def near_parts(blocks: Blocks, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Size (P,), m, of the block of each convex part, and the pairs (N, 2) of parts of different blocks that are near each other.
+
+    The size is the diagonal of the block's bounding box. Two parts are near where their bounding boxes touch, each enlarged by `share`
+    of this size.
+    """
+    owner = blocks.part_block
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
+    pairs = near_pairs(blocks.parts, share * size)
+    return size, pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
 
 
 def face_pairs(blocks: Blocks, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

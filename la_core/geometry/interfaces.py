@@ -14,7 +14,7 @@ import shapely
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks, Held
-from la_core.geometry.faces import face_overlaps, opposite_faces
+from la_core.geometry.faces import face_overlaps, near_parts, opposite_faces
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
@@ -69,9 +69,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     Raises SceneError, with the blocks' names, for blocks that overlap and for blocks that touch no other block.
     """
     parts, owner = blocks.parts, blocks.part_block
-    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
-    pairs = near_pairs(parts, TOUCH * size)
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    size, pairs = near_parts(blocks, TOUCH)
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
     pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
     overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)
@@ -140,22 +138,6 @@ def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> t
     points = shapely.MultiPoint(np.concatenate([flat[i] for i in connected]))
     outline, _ = true_corners(np.array([shapely.convex_hull(points)]), np.array([tolerance]))
     return np.asarray(origin + outline[:, :1] * first + outline[:, 1:] * second), connected
-
-
-def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2) of blocks, a < b, whose bounding boxes touch when each is enlarged by its block's margin (B,), m.
-
-    A tree of rectangles finds the boxes that touch in two directions; the third, along which the fewest blocks follow each
-    other, is compared for these alone. A wall has one or two leaves in its thickness, so that the search grows as N log N.
-    """
-    low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
-    follow = (high.max(axis=0) - low.min(axis=0)) / np.median(high - low, axis=0)
-    third, *seen = np.argsort(follow, kind="stable").tolist()
-    boxes = shapely.box(low[:, seen[0]], low[:, seen[1]], high[:, seen[0]], high[:, seen[1]])
-    a, b = shapely.STRtree(boxes).query(boxes)
-    meet = (a < b) & (low[a, third] <= high[b, third]) & (low[b, third] <= high[a, third])
-    pairs = np.stack([a[meet], b[meet]], axis=1)
-    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:

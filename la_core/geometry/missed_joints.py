@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.faces import face_corners, face_overlaps, opposite_faces
-from la_core.geometry.interfaces import TOUCH, near_pairs
+from la_core.geometry.faces import face_corners, face_overlaps, near_parts, opposite_faces
+from la_core.geometry.interfaces import TOUCH
 
 ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
 ANGLE = 3e-3  # rad: between faces with such a gap at one end
@@ -31,9 +31,8 @@ class MissedJoints:
 def missed_joints(blocks: Blocks) -> MissedJoints:
     """Find the joints that are missing for gaps of up to ALL_BUT of the smaller block's size."""
     parts, owner = blocks.parts, blocks.part_block
-    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
-    pairs = near_pairs(parts, ALL_BUT * size)
-    pairs = pairs[(owner[pairs[:, 0]] != owner[pairs[:, 1]]) & parts.free[pairs].any(axis=1)]
+    size, pairs = near_parts(blocks, ALL_BUT)
+    pairs = pairs[parts.free[pairs].any(axis=1)]
     smaller = np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
     pair, face_a, face_b = opposite_faces(parts, pairs, ALL_BUT * smaller, size, ANGLE)
     # Nearly all faces lie on one plane, touch, and need not be compared. Half of TOUCH: corners of a bent face do not lie on its plane.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, face_corners, face_polygons, near_pairs, opposite_faces, overlap_of, polygons_of
+from la_core.geometry import Blocks, face_corners, face_polygons, near_parts, opposite_faces, overlap_of, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
 STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
@@ -142,10 +142,8 @@ def _with_flanks(blocks: Blocks, face: np.ndarray, steep: np.ndarray, chosen: np
 
 def _covered(blocks: Blocks, face: np.ndarray, by: np.ndarray | None = None) -> np.ndarray:
     """Share (N,) of each of some faces (N,) that faces of other blocks cover. by: mask (B,) of blocks that count; None for all."""
-    parts, owner = blocks.parts, blocks.part_block
-    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
-    pairs = near_pairs(parts, NEAR * size)
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    parts = blocks.parts
+    size, pairs = near_parts(blocks, NEAR)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     _, below, above = opposite_faces(parts, both, NEAR * size[both].min(axis=1), size, OPPOSITE)
     counts = np.isin(below, face) if by is None else np.isin(below, face) & by[blocks.face_block[above]]
