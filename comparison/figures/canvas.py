@@ -124,24 +124,22 @@ class Canvas:
             run.set(hatch=hatches[first] or None, hatch_linewidth=0.4, joinstyle="round")
             self.axes.add_collection(run)
 
-    def outlines(self, polygons: Sequence[np.ndarray], colour: str, width: float, style: str = "-", below: bool = False) -> None:
+    def outlines(self, polygons: Sequence[np.ndarray], colour: str, width: float) -> None:
         """Draw closed polygons as lines.
 
         Parameters
         ----------
         polygons : sequence of ndarray
             Corners (n, 3) of each polygon, m. In a plane scene an interface is seen as a straight line.
-        colour, style : str
-            Colour and line style of matplotlib.
+        colour : str
+            Colour of matplotlib.
         width : float
             Width of the lines, pt.
-        below : bool
-            Whether the lines are drawn below the blocks.
         """
-        self._outlines_in_view([self.flat(polygon) for polygon in polygons], colour, width, style, below)
+        self._outlines_in_view([self.flat(polygon) for polygon in polygons], colour, width, "-")
 
     def _outlines_in_view(self, polygons: Sequence[np.ndarray], colour: str, width: float, style: str, below: bool = False) -> None:
-        """Draw closed polygons of the view, each (n, 2) in m, as `outlines` does."""
+        """Draw closed polygons of the view, each (n, 2) in m; style: of matplotlib's lines; below: whether they lie below the blocks."""
         closed = [np.concatenate([polygon, polygon[:1]]) for polygon in polygons]
         lines = LineCollection(closed, colors=colour, linewidths=width, linestyles=style, capstyle="round", zorder=0.5 if below else 2)
         self.axes.add_collection(lines)

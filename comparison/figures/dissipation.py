@@ -1,6 +1,5 @@
 """Figure of a mechanism's dissipation: interfaces by the power of their friction, contact points by state."""
 
-import textwrap
 from typing import Any
 
 import numpy as np
@@ -12,18 +11,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
+from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, window
+from comparison.figures.motion import drawn_motion
 from comparison.figures.save import own_style
-from comparison.figures.structure import legend_below
+from comparison.figures.structure import legend_below, wrapped
 from comparison.numbers import force_unit
 from la_core.geometry import next_corners, owners
 from la_core.measures import ContactState, MechanismMeasures, mechanism
 from la_core.model import Assembly
 
-DRAWN = 0.09  # of the structure's size: the largest displacement drawn
 SMALLEST = 0.01  # of the most dissipating interface: interfaces below are not drawn
 WIDTH = (1.6, 5.5)  # pt, of an interface that dissipates almost nothing, and of the most dissipating one
-TITLE_WIDTH = 90  # characters
 # From light to dark, so that it reads in greyscale too; it starts at orange, because paler lines would vanish on the stone.
 POWER = LinearSegmentedColormap.from_list("power", ["#f7b267", "#e4572e", "#a4133c", "#3d0814"])
 MOVES = "#d8e2ef"  # face of the blocks that move
@@ -58,8 +56,7 @@ def dissipation_figure(
     """
     known = bool(np.isfinite(twists).all())
     motion = twists if known else np.zeros_like(twists)
-    fastest = float(mechanism.block_speeds(assembly.blocks, motion).max())
-    displacement = motion * (DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0)
+    displacement = motion * drawn_motion(assembly, {title: motion})
     figure = _figure(assembly, has_scale=measures.dissipated_power > 0.0)
     (canvas,) = canvases(figure, assembly, 1)
     _headings(canvas, title, _summary(assembly, measures, push) if known else "no mechanism is known")
@@ -75,8 +72,7 @@ def _headings(canvas: Canvas, title: str, summary: str) -> None:
     """Write the title above the axes, and the summary between them in smaller letters."""
     above = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
     canvas.axes.annotate(summary, (0.5, 1.0), (0.0, 6.0), fontsize=8.5, linespacing=1.3, parse_math=False, **above)
-    wrapped = "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
-    canvas.axes.set_title(wrapped, fontsize=11, pad=13.0 + 12.0 * len(summary.splitlines()), parse_math=False)
+    canvas.axes.set_title(wrapped(title), fontsize=11, pad=13.0 + 12.0 * len(summary.splitlines()), parse_math=False)
 
 
 def _summary(assembly: Assembly, measures: MechanismMeasures, push: str) -> str:

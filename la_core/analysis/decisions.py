@@ -81,7 +81,7 @@ def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Ca
         scene, replace(model.assembly, effects=effects), distance_to_meet(model.assembly, model.stiffness)
     )
     if settings.follow_path:
-        aside, reason = [], "a path is requested, and at its start every block sags"
+        aside, reason = [], reach.PATH_IS_REQUESTED
     elif aside and (status := bound(model.assembly).status) is not Status.SOLVED:
         aside, reason = [], f"the whole structure is {status}"
     return Decision(effects, search, aside, reason)

@@ -9,7 +9,7 @@ from la_core.analysis.result import Answers, LimitAnalysis, with_one_fall
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import EquilibriumPath, follow_path
 from la_core.limit import Drive, ScaledProblem, Solution, Status, scaled_problem, solve_associated
-from la_core.model import BOUNDS_HOLD, Assembly
+from la_core.model import BOUNDS_HOLD, BOUNDS_WITHOUT_STRAIN, Assembly
 from la_core.scene import RequestedPath, Scene
 from la_core.side_by_side import side_by_side
 
@@ -40,7 +40,7 @@ def _of_bounds_only(analysis: LimitAnalysis) -> LimitAnalysis:
     effects = analysis.assembly.effects
     if effects.friction == "coulomb":
         effects = effects.with_effect("friction", "associated", "only the bounds were requested")
-    effects = effects.with_effect("elasticity", "none", "bounds do not depend on the joints' strain")
+    effects = effects.with_effect("elasticity", "none", BOUNDS_WITHOUT_STRAIN)
     effects = effects.with_effect("rotation", "small", BOUNDS_HOLD)
     return analysis.with_effects(effects.with_effect("reach", False, "the bounds are those of the whole structure"))
 

@@ -36,6 +36,7 @@ MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set as
 # 2/9 would cost the prediction more than it saves.
 LEAST_SHARE, LEAST_BLOCKS = 0.25, 100
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
+PATH_IS_REQUESTED = "a path is requested, and at its start every block sags"  # reason to model the whole structure
 TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme, in mean block weights
 
 
@@ -51,7 +52,7 @@ def candidate_masks(scene: Scene, assembly: Assembly, may_meet: float) -> tuple[
     if request is False:
         return [], "the scene requests the whole structure"
     if request == "auto" and assembly.effects.elasticity == "path":
-        return [], "a path is requested, and at its start every block sags"
+        return [], PATH_IS_REQUESTED
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
     least = 1 if request is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())

@@ -3,13 +3,14 @@
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length, unjoined
 from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import decide_dem_effects, distance_to_meet
-from la_core.model.effects import BOUNDS_HOLD, Effects
+from la_core.model.effects import BOUNDS_HOLD, BOUNDS_WITHOUT_STRAIN, Effects
 from la_core.model.joints import ELASTIC_SHARE, JointStiffness, connected_to_held, joint_stiffness
 from la_core.model.mirrors import Image, images
 from la_core.model.scaling import columns, global_forces, local_forces, scaled_load, support_motion, twists_of
 
 __all__ = [
     "BOUNDS_HOLD",
+    "BOUNDS_WITHOUT_STRAIN",
     "ELASTIC_SHARE",
     "PLANE_FREEDOMS",
     "Assembly",

@@ -100,9 +100,10 @@ def decide(scene: Scene) -> Effects:
 
 
 BOUNDS_HOLD = "bounds hold for every history of friction"
+BOUNDS_WITHOUT_STRAIN = "bounds do not depend on the joints' strain"
 _DEFAULT = "joints may slide, and real friction does not dilate"
 _WHY_ELASTIC = {
-    "none": "bounds do not depend on the joints' strain",
+    "none": BOUNDS_WITHOUT_STRAIN,
     "plateau": "friction without dilatancy follows the joints' strain from rest to the plateau",
     "path": "a [path] is requested",
 }

@@ -8,14 +8,13 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from comparison.campaign.figures import shared_axes
-from comparison.campaign.figures.shared_axes import Scale, series_style, shade
+from comparison.campaign.figures.shared_axes import SERIES, Scale, series_style, shade
 from comparison.campaign.parameter_labels import CLASSIC, quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines
 from comparison.campaign.row_values import Row, over_weight
 from comparison.figures import INK, LIMIT_ANALYSIS
 from la_core.text_table import exists
 
-SERIES = 5
 SCENES = 3  # in a figure, a row each
 HEIGHT = 3.3  # inches
 CONVERGED = "solved"

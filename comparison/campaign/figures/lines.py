@@ -13,19 +13,17 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from comparison.campaign.figures import shared_axes
-from comparison.campaign.figures.shared_axes import Scale, series_style, shade
+from comparison.campaign.figures.shared_axes import OUTSIDE, SERIES, Scale, series_style, shade
 from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines, longest, slices
 from comparison.campaign.row_values import LIMIT, Row, bounds, interval, mechanism_name, of_mechanism, over_weight, prediction
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
 from la_core.text_table import exists
 
-SERIES = 5  # lines in a panel; a larger number is thinned out evenly
 PANELS = 9  # in a figure; further panels go to further figures
 MOST_PANELS = 18  # over one parameter; a larger number is thinned out evenly
 HEIGHT = 3.1  # inches, of a row of panels
 TITLE_WIDTH = 55  # signs
-OUTSIDE = 1e9  # bounds of infinite bands, outside every frame
 DODGE = 3.0  # pt between the intervals of two lines
 
 

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from comparison.campaign.figures import shared_axes
-from comparison.campaign.figures.shared_axes import MARKERS, NARROW
+from comparison.campaign.figures.shared_axes import MARKERS, NARROW, OUTSIDE
 from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_values import Row, bounds, compared_with, interval, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
@@ -19,7 +19,6 @@ from comparison.numbers import percent
 from la_core.limit import Drive
 from la_core.text_table import exists
 
-OUTSIDE = 1e9  # end of an infinite bar, outside every frame
 BOUNDED = 60  # cases; bounds of more would cover each other
 FAINTLY = 1e-3  # of the largest reaction: below this a relative difference is meaningless
 FAR = 0.5  # of the largest value: axes of a smaller spread do not include zero

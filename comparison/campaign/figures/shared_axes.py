@@ -15,6 +15,8 @@ from comparison.figures import FAINT, tint
 
 WIDTH = 11.0  # inches, as in the other figures of the report
 COLUMNS = 3  # of panels
+SERIES = 5  # lines in a panel; a larger number is thinned out evenly
+OUTSIDE = 1e9  # end of an infinite bar or band, outside every frame
 EVENER = 1.5  # a logarithmic axis is used if it widens the smallest gap, relative to the axis, by this factor
 APART = 0.06  # of the axis for four characters: of closer values only one is written
 SIGNS = 36  # characters of all choices together; beyond this the texts are turned
@@ -23,6 +25,7 @@ DASHES = ("-", "--", "-.", ":", (0, (8, 2)), (0, (3, 1, 1, 1)))
 LIGHTEST = 0.55  # share of white in the colour of the last series
 NARROW = 0.06  # of the largest value: least span of an axis, so that round-off does not look like a change
 MARGIN = 0.08
+LEGEND_COLUMNS = 4  # at most
 LEGEND_SIGNS, KEY_SIGNS = 165, 9  # characters per line of the legend, and of a key without its text
 
 Item = TypeVar("Item")
@@ -133,14 +136,14 @@ def span(axes: Any, values: Sequence[float]) -> None:
     axes.ticklabel_format(axis="y", useOffset=False)
 
 
-def legend(figure: Figure, handles: Sequence[Any], columns: int = 4) -> None:
+def legend(figure: Figure, handles: Sequence[Any]) -> None:
     """Draw the legend under the figure, with texts taken literally."""
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(LEGEND_SIGNS // (longest + KEY_SIGNS), 1)
     drawn = figure.legend(
         handles=list(handles),
         loc="outside lower center",
-        ncols=min(len(handles), columns, fitting),
+        ncols=min(len(handles), LEGEND_COLUMNS, fitting),
         fontsize=8,
         frameon=False,
         handlelength=3.2,
