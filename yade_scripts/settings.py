@@ -112,63 +112,79 @@ def is_long(case: Case) -> bool:
     return steps_to_plateau(_derived(case, _checked(case.overrides))) * len(case.host) > SMALL_WORK
 
 
+class _Chosen(dict[str, Any]):
+    """Settings by name, chosen in turn: each is that of the overrides, or else a default."""
+
+    def __init__(self, overrides: dict[str, float]) -> None:
+        super().__init__()
+        self.overrides = overrides
+
+    def set_default(self, **values: float) -> None:
+        """Choose settings; the values are their defaults."""
+        self.update({name: self.overrides.get(name, value) for name, value in values.items()})
+
+
 def _derived(case: Case, overrides: dict[str, float]) -> Settings:
-    chosen: dict[str, Any] = {}
-
-    def set_default(**values: float) -> None:
-        chosen.update({name: overrides.get(name, value) for name, value in values.items()})
-
-    set_default(
-        damping_ratio=0.3,
-        rattling=UNBALANCED,
-        time_step_share=0.9,
-        wedging=0.0,
-        gravity_damping=0.3,
-        poses=POSES,
-    )
-    set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
+    """Return the settings of a case with these overrides; raises CaseError for a value that does not suit the structure."""
+    chosen = _Chosen(overrides)
+    chosen.set_default(damping_ratio=0.3, rattling=UNBALANCED, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, poses=POSES)
+    chosen.set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
     # Of 163 random walls run again with joints four times stiffer at half the speed, 90 in 100 moved by 0.11 % at most.
-    set_default(settings_uncertainty=1e-3, threads=1, time_limit=3600.0)
-    set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
+    chosen.set_default(settings_uncertainty=1e-3, threads=1, time_limit=3600.0)
+    chosen.set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
+    _choose_contacts(case, chosen)
+    _choose_time_steps(case, chosen)
+    _choose_motion(case, chosen)
+    return Settings(**chosen)
+
+
+def _choose_contacts(case: Case, chosen: _Chosen) -> None:
+    """Choose radius, stiffness and viscosity of the contact points, and the travel that goes with the stiffness."""
+    chosen.set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
-    set_default(least_stiffening=1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING)
-    set_default(stiffening=chosen["least_stiffening"], plateau_share=PLATEAU_SHARE, max_travel=case.travel)
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
-    stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
-    set_default(**stiffness)
-    sag = sag_of(case, chosen["normal_stiffness"])
-    set_default(**_damping(case, chosen))
+    keeps_stiffness = "normal_stiffness" in chosen.overrides or chosen["wedging"] > 0.0
+    chosen.set_default(least_stiffening=1.0 if keeps_stiffness else STIFFENING)
+    chosen.set_default(stiffening=chosen["least_stiffening"], plateau_share=PLATEAU_SHARE, max_travel=case.travel)
+    chosen.set_default(**{name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")})
+    chosen.set_default(**_damping(case, chosen))
+
+
+def _choose_time_steps(case: Case, chosen: _Chosen) -> None:
+    """Choose the time steps of both stages; raises CaseError for a step beyond the stable one."""
     stable = _stable_time_steps(case, chosen)
-    set_default(time_step=chosen["time_step_share"] * stable["time_step"])
+    chosen.set_default(time_step=chosen["time_step_share"] * stable["time_step"])
     # Critical dashpots take so much energy in a step near the stable one that a tenth of it is not accounted for.
-    longer = chosen["damping_ratio"] < CRITICAL and "time_step" not in overrides
-    set_default(settling_step=chosen["time_step_share"] * stable["settling_step"] if longer else chosen["time_step"])
+    longer = chosen["damping_ratio"] < CRITICAL and "time_step" not in chosen.overrides
+    chosen.set_default(settling_step=chosen["time_step_share"] * stable["settling_step"] if longer else chosen["time_step"])
     for name, longest in stable.items():
         if chosen[name] > longest:
             rule = f"it must be at most {longest:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
             raise CaseError(f"scene/settings: {name} is {chosen[name]:.3g} s; {rule}")
-    gravity = float(np.linalg.norm(case.gravity))
+
+
+def _choose_motion(case: Case, chosen: _Chosen) -> None:
+    """Choose speed and duration of both stages, and what counts as rest and as a fall."""
+    gravity, sag = float(np.linalg.norm(case.gravity)), sag_of(case, chosen["normal_stiffness"])
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g), and sideways in the same way.
     slow = slowness(case)
     period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
-    set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
+    chosen.set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
     # Joints stiffer than STIFFENING shorten the period, but the support does not move faster for it: the speed would matter more.
     unhurried = period * _root_of_stiffness(chosen, STIFFENING)
-    set_default(travel_periods=TRAVEL_PERIODS)
-    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * unhurried))
+    chosen.set_default(travel_periods=TRAVEL_PERIODS)
+    chosen.set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * unhurried))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * unhurried)  # the periods that follow from a speed in the overrides
     # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the
     # sag: a run with joints stiffer than the travel demands looks for it earlier, and in smaller steps.
     root = _root_of_stiffness(chosen, chosen["least_stiffening"])
-    set_default(record_rows=round(ROWS * root), plateau_travel=chosen["plateau_share"] * chosen["max_travel"] / root)
-    set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
-    set_default(gravity_ramp=WEIGHT_PERIODS * period, gravity_time=GRAVITY_PERIODS * period)
-    set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
-    set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
-    return Settings(**chosen)
+    chosen.set_default(record_rows=round(ROWS * root), plateau_travel=chosen["plateau_share"] * chosen["max_travel"] / root)
+    chosen.set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
+    chosen.set_default(gravity_ramp=WEIGHT_PERIODS * period, gravity_time=GRAVITY_PERIODS * period)
+    chosen.set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
+    chosen.set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
 
 
 def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
