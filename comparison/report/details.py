@@ -29,55 +29,61 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     """
     answers = comparison.get("limit_analysis") or {}
     associated, coulomb, path = (answers.get(name) or {} for name in ("associated", "coulomb", "path"))
-    yade = comparison.get("yade") or {}
-    unit = f" {results['unit']}".rstrip()
-    quantity = "multiplier" if results["live"] else "reaction"
-
-    def row(method: str, answer: Any, status: str, accuracy: str, work: str, seconds: Any) -> dict[str, str]:
-        value = f"{format_number(answer, 5)}{unit}" if exists(answer) else status
-        return {"method": method, "answer": value, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
-
     is_of_0_2_0 = coulomb.get("steps") and not coulomb.get("viscosities")  # its path was a sequence of associated programmes
     counted = "associated programmes" if is_of_0_2_0 else "Newton iterations"
+    yield _cost_of_bound(associated, results, evidence)
+    if coulomb:
+        yield _cost_of_prediction(coulomb, results, counted)
+    if path:
+        yield _cost_of_path(path, results, counted, units, str(comparison.get("unit", "N")))
+    if yade := comparison.get("yade") or {}:
+        accuracy = _stated(results["uncertainty"], results["ratios"]["uncertainty"], results) or DASH
+        value = _answer_text(results["yade"], results, results["yade_status"])
+        yield _cost_row(ANSWERS["yade"], value, accuracy, f"{format_number(yade.get('steps'))} steps", yade.get("seconds"))
+
+
+def _cost_row(method: str, answer: str, accuracy: str, work: str, seconds: Any) -> dict[str, str]:
+    return {"method": method, "answer": answer, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
+
+
+def _answer_text(value: Any, results: dict[str, Any], status: str) -> str:
+    """Return the value of an answer with its unit, or its status where it has none."""
+    return f"{format_number(value, 5)} {results['unit']}".rstrip() if exists(value) else status
+
+
+def _cost_of_bound(associated: dict[str, Any], results: dict[str, Any], evidence: Iterable[str]) -> dict[str, str]:
+    """Return the row of the associated answer; parameters as in `costs`."""
     residuals = [associated[name] for name in evidence if exists(associated.get(name))]
     accuracy = f"largest residual {format_number(max(residuals), 2)}" if residuals else DASH
-    answer = results["multiplier"] if results["live"] else results["least"]
+    value = _answer_text(results["multiplier"] if results["live"] else results["least"], results, results["status"])
     work = f"{format_number(associated.get('iterations'))} iterations"
-    yield row(ANSWERS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
-    if coulomb:
-        half = results["half_width"]
-        width = f", half-width {plain_number(half)}{unit}" if half and results["interval"] != A_POINT else ""
-        stated = _stated(results["coulomb_uncertainty"], results["ratios"]["coulomb_uncertainty"], results)
-        parts = (stated, results["plateaus"], f"interval {results['interval']}{width}")
-        accuracy = "; ".join(part for part in parts if part)
-        paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
-        work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} {counted}"
-        yield row(ANSWERS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
-    if path:
-        values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
-        residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
-        accuracy = f"largest share of drag {format_number(max(residuals, default=None), 2)}"
-        missed = (path.get("converged") or []).count(False)
-        accuracy += f"; {plural(missed, 'increment')} not reached" if missed else ""
-        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} {counted}"
-        yield row(
-            "limit analysis, path",
-            units.value(values[-1], str(comparison.get("unit", "N"))) if values else None,
-            DASH,
-            accuracy,
-            work,
-            path.get("seconds"),
-        )
-    if yade:
-        accuracy = _stated(results["uncertainty"], results["ratios"]["uncertainty"], results) or DASH
-        yield row(
-            ANSWERS["yade"],
-            results["yade"],
-            results["yade_status"],
-            accuracy,
-            f"{format_number(yade.get('steps'))} steps",
-            yade.get("seconds"),
-        )
+    return _cost_row(ANSWERS["associated"], value, accuracy, work, associated.get("seconds"))
+
+
+def _cost_of_prediction(coulomb: dict[str, Any], results: dict[str, Any], counted: str) -> dict[str, str]:
+    """Return the row of the Coulomb prediction. counted: what its iterations are."""
+    half = results["half_width"]
+    has_width = half and results["interval"] != A_POINT
+    width = f", half-width {plain_number(half)} {results['unit']}".rstrip() if has_width else ""
+    stated = _stated(results["coulomb_uncertainty"], results["ratios"]["coulomb_uncertainty"], results)
+    accuracy = "; ".join(part for part in (stated, results["plateaus"], f"interval {results['interval']}{width}") if part)
+    paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
+    work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} {counted}"
+    value = _answer_text(results["coulomb"], results, results["coulomb_status"])
+    return _cost_row(ANSWERS["coulomb"], value, accuracy, work, coulomb.get("seconds"))
+
+
+def _cost_of_path(path: dict[str, Any], results: dict[str, Any], counted: str, units: Units, si_unit: str) -> dict[str, str]:
+    """Return the row of the requested path from rest. counted: what its iterations are; si_unit: SI unit of its values."""
+    values = path.get("multiplier" if results["live"] else "reaction") or []
+    solves = [count for count in path.get("solves") or [] if exists(count)]
+    residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
+    missed = (path.get("converged") or []).count(False)
+    accuracy = f"largest share of drag {format_number(max(residuals, default=None), 2)}"
+    accuracy += f"; {plural(missed, 'increment')} not reached" if missed else ""
+    work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} {counted}"
+    value = _answer_text(units.value(values[-1], si_unit) if values else None, results, DASH)
+    return _cost_row("limit analysis, path", value, accuracy, work, path.get("seconds"))
 
 
 def _stated(uncertainty: Any, share: Any, results: dict[str, Any]) -> str:

@@ -53,70 +53,91 @@ def _interval_text(predicted: Any, low: Any, high: Any, unit: str, status: Any) 
     return {"not stated": NOT_STATED, "unlimited": "unlimited"}.get(status, DASH)
 
 
+class _Answers:
+    """The answers in the content of `comparison.json`, at the inset of both methods, and their values in the report's units."""
+
+    def __init__(self, comparison: dict[str, Any], units: Units) -> None:
+        self.associated, self.yade = associated_of(comparison), comparison.get("yade") or {}
+        self.coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
+        self.bounds = self.associated.get("shared_inset") or self.associated
+        self.prediction = self.coulomb.get("shared_inset") or self.coulomb
+        self.live = "multiplier" in self.associated
+        self.quantity = "multiplier" if self.live else "reaction"
+        self.si_unit = comparison.get("unit", "" if self.live else "N")
+        self.is_steady = self.yade.get("status", "plateau") == "plateau"
+        self.weight = comparison.get("weight")
+        self._size, self._units = _size_of_weight(comparison, self.live), units
+
+    def shown(self, value: Any) -> float | None:
+        """Return a value in the report's unit, 0 where it is only round-off; None where it is undefined."""
+        return self._units.value(without_round_off(value, self._size), self.si_unit) if exists(value) else None
+
+    def compared(self) -> float | None:
+        """Return the value that YADE is compared with: the prediction, or else the bound."""
+        predicted = self.shown(self.prediction.get(self.quantity))
+        return predicted if exists(predicted) else self.shown(self.bounds.get(self.quantity))
+
+    def reactions(self) -> dict[str, float | None]:
+        """Return every reaction, or multiplier, by name, with its uncertainty; YADE's exist only on a plateau."""
+        compared, recorded = self.compared(), self.shown(self.yade.get("reaction")) if self.is_steady else None
+        return {
+            "least": self.shown(self.bounds.get("reaction")),
+            "greatest": self.shown(self.bounds.get("reaction_max")),
+            "yade": recorded,
+            "uncertainty": self.shown(self.yade.get("uncertainty")) if self.is_steady else None,
+            "coulomb": self.shown(self.prediction.get(self.quantity)),
+            "coulomb_uncertainty": self.shown(self.prediction.get("uncertainty")),
+            "released": self.shown(self.prediction.get("released")),
+            "released_uncertainty": self.shown(self.prediction.get("released_uncertainty")),
+            "difference": recorded - compared if exists(compared) and exists(recorded) else None,
+        }
+
+    def angles(self) -> dict[str, tuple[Any, Any]]:
+        """Return the angle of a tilt and its uncertainty, degrees, by the name of the answer."""
+        sources = (("associated", self.bounds), ("Coulomb", self.prediction), ("YADE", self.yade if self.is_steady else {}))
+        return {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer}
+
+
+def _size_of_weight(comparison: dict[str, Any], live: bool) -> float:
+    """Return the weight beside which a reaction may be round-off, N; 0 for a multiplier, and where the weight is unknown."""
+    weight = comparison.get("weight")
+    return weight if exists(weight) and not live else 0.0
+
+
 def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     """Return both methods' numbers at the shared inset in the report's units: bounds, YADE's reaction, difference, seconds.
 
     Undefined numbers are None. YADE's reaction exists only on a plateau.
     """
-    associated, yade = associated_of(comparison), comparison.get("yade") or {}
-    shared = associated.get("shared_inset") or associated
-    live = "multiplier" in associated
-    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
-    quantity = "multiplier" if live else "reaction"
-    shared_coulomb = coulomb.get("shared_inset") or coulomb
-    base = comparison.get("unit", "" if live else "N")
-    _, unit = units.of(base)
-
-    weight = comparison.get("weight")
-    size = weight if exists(weight) and not live else 0.0
-
-    def shown(value: Any) -> float | None:
-        return units.value(without_round_off(value, size), base) if exists(value) else None
-
-    predicted = shown(shared_coulomb.get(quantity))
-    low, high = (shown(end) for end in shared_coulomb.get(f"{quantity}_interval") or (None, None))
-    steady = yade.get("status", "plateau") == "plateau"
-    least, recorded = shown(shared.get("reaction")), shown(yade.get("reaction")) if steady else None
-    nearest = predicted if exists(predicted) else shown(shared.get("multiplier")) if live else least
-    least_tolerance = shown(comparison.get("least_tolerance"))
-    is_something = exists(nearest) and abs(nearest) > (least_tolerance or 0.0)  # a per cent of zero is undefined
-    reactions = {
-        "least": least,
-        "greatest": shown(shared.get("reaction_max")),
-        "yade": recorded,
-        "uncertainty": shown(yade.get("uncertainty")) if steady else None,
-        "coulomb": predicted,
-        "coulomb_uncertainty": shown(shared_coulomb.get("uncertainty")),
-        "released": shown(shared_coulomb.get("released")),
-        "released_uncertainty": shown(shared_coulomb.get("released_uncertainty")),
-        "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
-    }
-    sources = (("associated", shared), ("Coulomb", shared_coulomb), ("YADE", yade if steady else {}))
-    shown_weight = shown(weight)
-    ratios = {name: value / shown_weight if exists(value) and shown_weight and not live else None for name, value in reactions.items()}
-    unbounded = associated.get("reaction_max_status") == "unbounded"
+    answers = _Answers(comparison, units)
+    reactions, compared, weight = answers.reactions(), answers.compared(), answers.shown(answers.weight)
+    ratios = {name: value / weight if exists(value) and weight and not answers.live else None for name, value in reactions.items()}
+    low, high = (answers.shown(end) for end in answers.prediction.get(f"{answers.quantity}_interval") or (None, None))
+    least_tolerance = answers.shown(comparison.get("least_tolerance")) or 0.0
+    is_something = exists(compared) and abs(compared) > least_tolerance  # a per cent of zero is undefined
+    unbounded, unit = answers.associated.get("reaction_max_status") == "unbounded", units.of(answers.si_unit)[1]
     return reactions | {
         "ratios": ratios,
         "unit": unit,
-        "meaning": MEANINGS[base],
-        "ratio_unit": "" if live else "of W" if base == "N" else "m, over W",
+        "meaning": MEANINGS[answers.si_unit],
+        "ratio_unit": "" if answers.live else "of W" if answers.si_unit == "N" else "m, over W",
         "greatest_status": "no upper limit" if unbounded else "",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
-        "interval": _interval_text(predicted, low, high, unit, shared_coulomb.get("interval_status")),
-        "plateaus": several_plateaus([shown(value) for value in shared_coulomb.get("plateaus") or []], unit),
+        "interval": _interval_text(reactions["coulomb"], low, high, unit, answers.prediction.get("interval_status")),
+        "plateaus": several_plateaus([answers.shown(value) for value in answers.prediction.get("plateaus") or []], unit),
         "half_width": half_width(low, high),
-        "less": "Coulomb" if exists(predicted) else "associated" if live else "R_min",
-        "coulomb_status": coulomb.get("status") or DASH,
-        "live": live,
-        "difference_text": small_number(reactions["difference"], nearest, 5),
-        "difference_words": share_of(reactions["difference"], nearest if is_something else None),
-        "multiplier": shared.get("multiplier"),
-        "angles": {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer},
-        "status": associated.get("status") or DASH,
-        "yade_status": yade.get("status") or "not run",
-        "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
-        "yade_seconds": yade.get("seconds"),
+        "less": "Coulomb" if exists(reactions["coulomb"]) else "associated" if answers.live else "R_min",
+        "coulomb_status": answers.coulomb.get("status") or DASH,
+        "live": answers.live,
+        "difference_text": small_number(reactions["difference"], compared, 5),
+        "difference_words": share_of(reactions["difference"], compared if is_something else None),
+        "multiplier": answers.bounds.get("multiplier"),
+        "angles": answers.angles(),
+        "status": answers.associated.get("status") or DASH,
+        "yade_status": answers.yade.get("status") or "not run",
+        "limit_analysis_seconds": _sum(answers.associated.get("seconds"), answers.coulomb.get("seconds")),
+        "yade_seconds": answers.yade.get("seconds"),
     }
 
 
@@ -202,8 +223,7 @@ def rounding_words(comparison: dict[str, Any], units: Units) -> str:
     sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
     if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
         return ""
-    weight = comparison.get("weight")
-    size = weight if exists(weight) and not live else 0.0
+    size = _size_of_weight(comparison, live)
     sharp, rounded = without_round_off(sharp, size), without_round_off(rounded, size)
     given = f"The inset of {units.text(inset, 'm', 3)}"
     change = rounded - sharp
