@@ -39,7 +39,7 @@ _WITH_A_MESSAGE = (
 )  # fmt: skip
 
 
-_NO_ROOM = "failed to map segment"  # says the system's loader where memory is too short for a library
+_NO_ROOM = "failed to map segment"  # words of the system's loader where memory is too short for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
 ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"

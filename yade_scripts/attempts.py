@@ -1,13 +1,17 @@
-"""The attempts of a run: quick ones that find damping and stiffness, then slower ones until speed hardly matters.
+"""The attempts of a run: quick ones that find damping and stiffness, then slower ones until the speed hardly matters.
 
-Where the blocks of an attempt rattle, the next one damps the swing of the blocks, which leaves the time step as it is; where they rattle
-even then, the next one has critical damping in the contacts, too: its steps are a third as long. (A large plane structure, whose swing is
-damped at once, keeps its dashpots: on a wall of 1,008 blocks both gave the same reaction.) The first attempt moves `quick_speed`
-times as fast as the run. Where its curve still creeps at the end of the travel, the joints are made stiffer: only travel over the elastic
-sag counts. Where it sticks and slips, the swing is damped. Then comes the run at its own speed. The difference between the two says what
-the speed may still do: at most as much as if the reaction followed its root. (What follows the speed itself, as drag does, is
-overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which hides a smaller difference, is
-added. Where the run still sticks and slips, or the part of the speed is large, a slower attempt follows.
+The first attempt moves `quick_speed` times as fast as the run. How it ends decides what follows:
+
+- Its blocks rattle: the next attempt damps the swing of the blocks, which leaves the time step as it is. Where blocks rattle even then, the
+  contacts get critical damping, too, and steps are a third as long. (A large plane structure, whose swing is damped at once, keeps its
+  dashpots: on a wall of 1,008 blocks both gave the same reaction.)
+- Its curve still creeps at the end of the travel: the next attempt has stiffer joints, because only travel over the elastic sag counts.
+- It sticks and slips: the next attempt damps the swing.
+- Otherwise the attempt at the run's own speed follows, and a slower one where this one still sticks and slips, or its speed matters much.
+
+The difference between two speeds gives the part of the speed in the uncertainty. The effect is taken to grow with the root of the speed, as
+that of friction's history nearly does; an effect that grows with the speed itself, such as drag, is then overestimated. The noise of the
+quicker attempt is added, because it may hide a small difference.
 """
 
 import math
@@ -169,7 +173,7 @@ def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
 def _may_calm(attempt: Protocol) -> bool:
     """Whether an attempt with its swing damped may follow.
 
-    A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
+    A slender structure sways more slowly than the damper's mean is taken. Its sway is no flutter, and only a longer run helps.
     """
     undamped = attempt.settings.swing_damping == 0.0 and "swing_damping" not in attempt.case.overrides
     return undamped and slowness(attempt.case) == 1.0

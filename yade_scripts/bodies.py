@@ -223,8 +223,8 @@ def _blocked(case: Case, block: int) -> str:
 def set_loads(case: Case, model: Model, share: float = 1.0, multiplier: float = 0.0) -> None:
     """Let `share` of weights, dead loads and ties, and the live load by its multiplier, act from the next step on.
 
-    Gravity pulls at the inertia of a block: a permanent force takes away what this is more than its mass weighs. Dead loads and ties
-    keep direction and moment as the blocks move, as in limit analysis.
+    YADE's gravity acts on the inert mass of a block, which may be larger than its mass. A permanent force makes up for the difference.
+    Dead loads and ties keep direction and moment as the blocks move, as in limit analysis.
     """
     gravity = share * case.gravity
     if case.live is not None:

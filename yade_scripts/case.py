@@ -265,7 +265,7 @@ def _refuse_undriven(case: Case) -> None:
         if not abs(float(np.linalg.norm(case.live)) - 1.0) <= _UNIT:
             raise CaseError(f"scene/live is {case.live}: the direction of the load must be a unit vector")
         if case.overrides.get("wedging"):
-            raise CaseError("scene/settings: wedging lifts the support, and under a live load there is none; leave it out")
+            raise CaseError("scene/settings: wedging lifts the support, but under a live load no support moves; leave it out")
         return
     if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
         raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")

@@ -28,13 +28,11 @@ _OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise wi
 # The truth is between the line's intercept and the level of the flat part; a width w between two bounds is w / sqrt(12)
 # of standard deviation (rectangular distribution).
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
-
-
 EARLY = UNCERTAIN  # of the reaction: largest uncertainty of a plateau that the reaction leaves
 LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
-# Of the velocity of the support, most by which that of a block may change over a plateau; and of the free blocks those that may change by
-# more, for of a thousand blocks a few always do. Second, for a run that is content with a less certain plateau: below 5 % of the velocity
-# the judge takes a block to stand still, and lets 5 % of the mass move in one method only.
+# Largest change of a block's velocity over a plateau, over the velocity of the support; and the share of the free blocks whose velocity may
+# change by more, because of a thousand blocks a few always do so. The second pair is for a run that may end with a less certain plateau:
+# the judge takes a block below 5 % of the velocity to stand still, and lets 5 % of the mass move in one method only.
 STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 
@@ -140,10 +138,19 @@ NO_OUTCOME = Outcome(*[float("nan")] * 4)
 
 @dataclass(frozen=True)
 class Earlier:
-    """The best plateau so far. mark: rows and states of the record when it was fitted; asked: settlement imposed by then, m or rad.
+    """The best plateau so far.
 
-    Friction may lock a thrust in, which blocks release as they turn: by motions of second order, the later the softer the joints. The
-    reaction of the undeformed geometry is then that of a plateau which the run has left.
+    Friction may lock a thrust in, which turning blocks release later, the later the softer the joints. The reaction of the undeformed
+    geometry is then that of a plateau which the run has left.
+
+    Attributes
+    ----------
+    fit : Plateau
+        The plateau.
+    mark : tuple of int
+        Numbers of rows and of states in the record when it was fitted.
+    asked : float
+        Settlement imposed by then, m or rad.
     """
 
     fit: Plateau
@@ -151,7 +158,7 @@ class Earlier:
     asked: float
 
     def is_left(self, now: Plateau, enough: float) -> bool:
-        """Whether the uncertainty has grown so much that the reaction has left this plateau. enough: uncertainty that is no harm."""
+        """Whether the uncertainty has grown so much that the reaction has left this plateau. enough: uncertainty that is small anyway."""
         return not now.uncertainty <= max(LEFT * self.fit.uncertainty, enough)
 
 
@@ -221,7 +228,7 @@ def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Pla
 def shortcoming(fit: Plateau, scale: float, most: float, name: str = "reaction") -> str:
     """Return why a line is no plateau, as a clause.
 
-    scale: reaction of which all is a share; most: largest uncertainty of a plateau; name: what the line is fitted to.
+    scale: reaction that uncertainty and drift are divided by; most: largest uncertainty of a plateau; name: what the line is fitted to.
     """
     if not math.isfinite(fit.reaction):
         return "the record is too short for a line, or undefined"
@@ -251,8 +258,8 @@ def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geomet
     # A slope that turning explains is no doubt: the line leads back to the undeformed geometry. Sliding joints may have another one.
     unexplained = min(abs(slope), abs(slope - geometry.slope))
     from_fit = COVERAGE * _RECTANGULAR * unexplained * centre
-    # Where strain is left and falls as 1/s, as much is still to come from the level as the line was drawn back, by the slope that no
-    # turning explains times the settlement of the level.
+    # Strain that falls as 1/s makes the curve R + c/s. Its tangent at the centre has the slope -c/s^2 and the intercept R + 2 c/s, so the
+    # intercept misses R by twice the slope times the settlement of the centre. The slope that turning may explain does not count.
     from_strain = 2.0 * max(0.0, abs(slope) - geometry.turning) * centre
     creeps = abs(slope) - _CERTAIN * error > geometry.turning + abs(level) / geometry.lever
     uncertainty = float(np.sqrt(from_scatter**2 + from_fit**2 + from_strain**2))

@@ -25,7 +25,7 @@ comparison.draw(scene).save("friction-structure.png")
 #
 #     R = W_b / (1 + mu²)
 #
-# For mu = 0.6 that is 0.735 W_b. The rule hangs a quarter of the block on its neighbour, by a friction that is not there.
+# For mu = 0.6 that is 0.735 W_b. The rule hangs a quarter of the block on its neighbour, by friction that does not exist.
 
 # %%
 friction = scene.friction

@@ -6,8 +6,8 @@ the power of the support or of the live load. The drag and the changing strain o
 exactly; every residual measures what they leave.
 
 A small structure comes this close on its path. A large one creeps for too long; the limit state next to the end of its path is
-computed instead. What forces f and a mechanism miss is the power that should vanish, sum(n |u_n| + mu n |u_t| + t . u_t), with
-the rates u of parting and slip. For a mechanism it is linear in the forces, and for forces it is convex in the mechanism. Two
+computed instead. Forces f and a mechanism miss a limit state by the power that should vanish, sum(n |u_n| + mu n |u_t| + t . u_t),
+with the rates u of parting and slip. For a mechanism it is linear in the forces, and for forces it is convex in the mechanism. Two
 conic programmes in turn therefore lower it: forces in balance for the mechanism, then the mechanism for these forces,
 each as near to the one before as a slight quadratic term keeps it.
 """
@@ -28,7 +28,8 @@ from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
-END_ITERATIONS, LEAST_END_ITERATIONS, END_STEPS = 0.2, 200, 20  # most iterations of the last stretch over those of the path
+END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, or so many if more
+END_STEPS = 20  # of the last stretch, at least
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
@@ -112,15 +113,15 @@ def mechanism_and_forces(joints: ElasticJoints, end: End) -> tuple[np.ndarray, n
 
 
 def error_of_forces(joints: ElasticJoints, end: End) -> float:
-    """Return what the forces at the end of a path change the value by, N, N m or multiplier, on the safe side.
+    """Return by how much errors of the forces at the end of a path may change the value (N, N m or multiplier), on the safe side.
 
-    They are out of balance, and where joints part or slide they do work other than that of a limit state. Beside heavy blocks the
-    friction that a path leaves out as round-off counts for light ones.
+    The forces are slightly out of balance. Where joints part or slide, their work differs from that in a limit state. A path leaves out
+    friction that is round-off beside heavy blocks, and this friction may matter to light ones.
     """
     multiplier = joints.value_in_units(end.last.multiplier) if joints.live else 0.0
     unbalanced = residuals.most_power_of_unbalanced(joints.assembly, *mechanism_and_forces(joints, end), multiplier)
     parting, lacking, _ = joint_powers(joints, end.before, end.last)
-    at_joints = float((1.0 + joints.friction) @ (parting + lacking))  # a force that lacks may also press on a joint that slides
+    at_joints = float((1.0 + joints.friction) @ (parting + lacking))  # friction that is missing may also press on another joint that slides
     return unbalanced + abs(joints.value_in_units(at_joints))
 
 
@@ -203,9 +204,9 @@ class _Pressed:
         return Programme(sparse.vstack([live, parting, cone]).tocsr(), self._cones(self.live.shape[0], 2 * self.count), quadratic)
 
     def forces(self, rate: np.ndarray, end: tuple[np.ndarray, float], near: float, held: bool) -> tuple[np.ndarray, float] | None:
-        """Forces (P, k) in balance, near those at the end of the path, that do least wrong on a mechanism, and their value.
+        """Forces (P, k) in balance, near those at the end of the path, and their value; on a mechanism they have the least wrong power.
 
-        The value is that of the end where it is `held`. None without an answer.
+        Wrong is the power that vanishes in a limit state. The value is that of the end where it is `held`. None without an answer.
         """
         at_end, value = end
         u = (self.kinematics @ rate).reshape(self.count, self.width) + self.motion
@@ -220,7 +221,7 @@ class _Pressed:
         return answer.x[:-1].reshape(self.count, self.width) / self.blocks, float(answer.x[-1]) / self.blocks
 
     def mechanism(self, forces: np.ndarray, before: np.ndarray) -> np.ndarray | None:
-        """Rates (n,) of the free blocks, near those before, on which forces do least wrong; None without an answer."""
+        """Rates (n,) of the free blocks, near those before, on which forces have the least wrong power; None without an answer."""
         normal = np.maximum(forces[:, 0], 0.0) * self.blocks
         friction = np.concatenate([np.zeros((self.count, 1)), forces[:, 1:] * self.blocks], axis=1)
         power = np.concatenate([NEAR_RATE * before - self.kinematics.T @ friction.ravel(), -normal, -self.friction * normal])

@@ -26,7 +26,7 @@ LAST_VISCOSITY = 1e-6  # after annealing
 # Unknowns of a large structure. Its joints are smooth at first, because their instabilities would take most of the time: a wall
 # of 1,024 blocks took 250 steps of sharp joints to a twelfth of the travel, and 20 of smooth ones to all of it.
 LARGE = 2500.0
-BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last as the square of that
+BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last one as its fourth power
 # Force over which joints part and slip, in mean contact forces: over the first viscosity; at most at the end. The stretch on which they
 # become sharp, over the travel before. On 48 walls of 60 to 160 blocks a force of 30, 3, 0.3 and 0.03 left 5.6, 2.4, 0.8 and 0.3 % in the
 # median: about as the root of the force, as does the law itself.

@@ -23,11 +23,12 @@ from la_core.model import Assembly, columns, scaled_load, support_motion
 # Of the support's motion: slower slip and parting count as sticking. The first is used; an interval that moves with the second is unknown.
 THRESHOLDS = (0.01, 0.003)
 LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
-# A friction coefficient below SLIGHT may act in any direction: it moves an end by no more, and exact directions contradict equilibrium.
+# Friction with a coefficient below SLIGHT may act in any direction: this hardly moves an end; exact directions contradict equilibrium.
 SLIGHT = 1e-5
 ROUND_OFF = 1e-6  # of a scaled value: accuracy of the programmes. A reaction of 0 is certain to far more digits than their two ends.
-# Of the value: widest interval of a mechanism that allows next to one value. Of 563 random scenes whose prediction is known for both
-# rotations, 24 change by more than 1 %. The mechanism of 23 has an interval of 0.022 or more, or an unknown one; the 24th changes it.
+# Width of an interval over the value, up to which a mechanism counts as allowing one value. Of 563 random scenes whose prediction is known
+# for both rotations, 24 change by more than 1 %. The mechanism of 23 has an interval of 0.022 or more, or an unknown one; the 24th changes
+# its mechanism.
 ONE_VALUE = 0.01
 FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 

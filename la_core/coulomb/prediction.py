@@ -29,11 +29,11 @@ from la_core.limit import Solution, Status
 from la_core.model import Assembly, JointStiffness
 from la_core.side_by_side import side_by_side
 
-# Of the value, from the nearest end of its mechanism's interval, where blocks that dilate lock. Of 66 values that YADE confirmed none was
-# farther than 0.10; a block against a step, whose value YADE did not confirm, was 0.45 away.
+# Largest distance of a value from the nearest end of its mechanism's interval, over the value, where blocks lock as they dilate. Of 66
+# values that YADE confirmed none was farther than 0.10; a block against a step, whose value YADE did not confirm, was 0.45 away.
 LOCKED_IN = 0.25
-# Times the weight, or the value where this is larger: with a larger uncertainty there is no answer. Blocks that fall on one path leave
-# a million weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
+# Largest uncertainty of an answer, over the weight, or over the value where this is larger. Blocks that fall on one path leave a million
+# weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
 UNKNOWN = 100.0
 # Of the value, under a live load: a curve that rises less above it, beyond its uncertainty, has no peak.
 SOUGHT = 5e-3
@@ -98,9 +98,10 @@ def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> Coul
 
 
 def _is_held_back(solution: CoulombSolution, unit: float) -> bool:
-    """Whether the load of a live load's plateau, or of one on the way, is a negative one, which holds blocks back that fall without it.
+    """Whether the multiplier of a plateau, or of one on the way, is negative: such a load holds back blocks that fall without it.
 
-    The structure rests without the load, so no load that grows from nothing comes there: the blocks fall before. unit: of a scaled value.
+    The structure rests without the load. A load that grows from nothing never becomes negative, so the blocks fall before this plateau.
+    unit: value of a scaled one.
     """
     return solution.value < -solution.uncertainty or solution.plateaus.min(initial=0.0) < -plateau.LEAST * unit
 
@@ -197,7 +198,7 @@ def _paths(
 ) -> list[FollowedPath]:
     """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
 
-    No other follows a path whose effort ends before its least travel. See `joints_of_path`.
+    After a path whose effort ends before its least travel no other path follows. See `joints_of_path`.
     """
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):
@@ -229,9 +230,9 @@ def _finer_path(
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
-    """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on.
+    """Follow paths with smooth joints side by side, because none needs the result of another; no path where one cannot go on.
 
-    Where their smoothing leaves the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes
+    Where their smoothing leaves the value so uncertain that a judge would not decide by it, a finer path follows; it counts if it comes
     to its end.
     """
     number = len(settings.viscosities)

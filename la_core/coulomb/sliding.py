@@ -30,7 +30,7 @@ LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts a
 SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in a mechanism
 # The same for the search: the bound is off by about this share. Shipped scenes without sliding have 5e-8 at most, by rounding errors.
 SEARCHED_SHARE = 1e-5
-SLIGHT_WORK = 1e-3  # of the elastic energy, at rest or now, where larger: below this friction's work on the way changes no force
+SLIGHT_WORK = 1e-3  # of the elastic energy at rest or now, whichever is larger: less work of friction on the way changes no force
 SAME_VALUE = 1e-3  # of the value: for elastic joints this close to the bound their strain does not matter
 VISCOSITY = 1e-2  # at the start of the search
 

@@ -202,7 +202,7 @@ class _Reader:
 
 
 def _shown_of(element: ElementTree.Element, kind: str) -> list[ElementTree.Element]:
-    """The children of an element that are drawn in its place: all of them, but of a <switch> the first that asks for nothing."""
+    """The children of an element that are drawn: all of them; of a <switch> only the first without a condition."""
     if kind == "use":
         return []
     children = list(element)

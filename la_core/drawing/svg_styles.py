@@ -14,7 +14,7 @@ PROPERTIES = (*READ, *UNREAD)
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")
-# States of elements that hold for nothing in a drawing that nobody touches, and parts that are no elements.
+# States that no element has in a drawing that nobody touches, and parts that are no elements.
 STATES = re.compile(r":(hover|active|focus|visited|link|any-link|target|checked|:)", re.IGNORECASE)
 UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
 

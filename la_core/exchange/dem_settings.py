@@ -6,7 +6,7 @@ from typing import Any
 POSES = 40  # states of a YADE run over its full travel
 TRAVEL_PERIODS = 1200.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
 LATEST_START = 0.6  # of a run's settlement: a plateau begins there at the latest
-# Of the reaction: the weight that unbalanced forces are compared with, where it is more than that of a block. A jump, half of it, is then
+# Share of the reaction that unbalanced forces are compared with where it is more than the weight of a block. A jump, half of it, is then
 # 2 % of the reaction, the largest uncertainty of a plateau.
 AT_STAKE = 0.04
 UNCERTAIN = 1e-2  # of the reaction: a judge does not decide by a method that states more

@@ -80,7 +80,7 @@ def _are_among(pairs: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _shared_box(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest corner (P, 3), m, of what the edges of two convex blocks have within the other one; infinite for nothing."""
+    """Bounding box, as two corners (P, 3), m, of the parts of the edges of two convex blocks within the other; infinite without any."""
     low, high = np.full((len(pairs), 3), np.inf), np.full((len(pairs), 3), -np.inf)
     for two in (pairs, pairs[:, ::-1]):
         row, ends = _edges_within(parts, two, tolerance)

@@ -126,7 +126,7 @@ def servo_of(case: Case, settings: Settings) -> Servo:
     slower = min(max(1.0, sway_over_sag(case) / LONG_SWAY), SLOWEST)
     frequency = settings.servo_frequency / slower * math.sqrt(gravity / sag_of(case, settings.normal_stiffness))
     decay = 2.0 * settings.servo_damping * frequency
-    # A dead load that is given as a mass is pushed and has no inertia: the block that carries it answers so many times as fast.
+    # A dead load that is given as a mass is pushed, but has no inertia: its block accelerates faster, by the pushed weight over its own.
     quickest = float((pushed_of(case) / (case.mass[case.free] * gravity)).max())
     every = max(1, int(LAG / (quickest * decay * settings.settling_step)))
     return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, 1.0 / frequency)

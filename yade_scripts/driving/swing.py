@@ -2,8 +2,8 @@
 
 Friction that does not dilate feeds energy into the swing of some structures (flutter): it grows until blocks stick and slip. A sliding
 joint has no dashpot along its face, so the contacts cannot hold such a swing; a drag on the blocks can, but it would brake the steady
-motion, too. So the drag here acts on what a block's velocity differs from its own mean of the last moments. Over a steady motion the
-mean difference vanishes, and with it the mean drag: the balance of weights, reaction and contact forces is untouched.
+motion, too. So the drag here acts on the difference between a block's velocity and its own mean velocity over the last moments. Over a
+steady motion this difference vanishes on the mean, and so does the drag: the balance of weights, reaction and contact forces is untouched.
 """
 
 import math

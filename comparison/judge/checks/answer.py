@@ -14,7 +14,10 @@ from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Solution, Status
 
 SLIP = 0.01  # share by which a value in a wrong unit, rounded by hand, may differ from that of limit analysis
-OF_ONE_METHOD = {Verdict.AGREE: Verdict.EXPECTED_MET, Verdict.DISAGREE: Verdict.UNEXPECTED}  # nobody agrees or disagrees with it
+OF_ONE_METHOD = {
+    Verdict.AGREE: Verdict.EXPECTED_MET,
+    Verdict.DISAGREE: Verdict.UNEXPECTED,
+}  # verdicts where no second method can agree or disagree
 
 
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
@@ -105,7 +108,7 @@ def _fell(solution: Solution | CoulombSolution) -> bool:
 
 
 def _step_without_value(analysis: LimitAnalysis, solution: Solution | CoulombSolution) -> str:
-    """Return what to do about an answer that is not solved: it is no other value than the source's, but none, so the cause decides."""
+    """Return what to do about an answer that is not solved: there is no value to compare with the source, so the cause decides."""
     if solution.status is Status.INFEASIBLE:
         return next_steps.CHECK_SOURCE
     if not isinstance(solution, CoulombSolution) or solution.status is Status.UNBOUNDED:

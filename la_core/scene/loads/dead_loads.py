@@ -76,7 +76,7 @@ def not_there(pattern: str, kind: str, names: Sequence[str], groups_of: Sequence
 
 
 def faults_of_loads(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
-    """Yield each load, tie or class of joints that names a block which is not there, or that nothing can carry."""
+    """Yield each load, tie or class of joints that names an unknown block, or that nothing can carry."""
     for number, load in enumerate(file.load):
         yield from _told(("load", number), load.name, _fault_of_load(load, blocks))
     for number, tie in enumerate(file.tie):
