@@ -1,15 +1,18 @@
 """Tolerances and what a verdict allows, from plain numbers: units, signs and what a requested accuracy changes."""
 
+import re
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from comparison.judge.checks import tolerances
+from comparison.judge.checks import energy, friction_state, mechanisms, reduced_model, run_checks, sections, tolerances
 from comparison.judge.checks.tolerances import FLOOR, LEAST_REACTION, UNBALANCED, UNCERTAIN
 from la_core.exchange import AT_STAKE
 from la_core.limit import Status
 
+PAGE = (Path(__file__).parents[2] / "comparison" / "README.md").read_text(encoding="utf-8")
 WEIGHT, LENGTH = 2000.0, 0.4  # N, m
 
 
@@ -23,6 +26,38 @@ def results(
     analysis = SimpleNamespace(scene=scene, assembly=assembly, accuracy=accuracy)
     recorded = SimpleNamespace(result=SimpleNamespace(reaction=reaction, uncertainty=uncertainty))
     return SimpleNamespace(analysis=analysis, recorded=recorded, scene=scene)
+
+
+@pytest.mark.parametrize(
+    ("check", "tolerance"),
+    [
+        ("settlement achieved", run_checks.SETTLEMENT),
+        ("speed along the load", run_checks.SPEED),
+        ("equilibrium of the YADE state", UNBALANCED),
+        ("energy of the YADE run", energy.DRIFT),
+        ("energy of the YADE run", energy.LEAST_TURNOVER),
+        ("reaction against prediction", UNCERTAIN),
+        ("reaction against prediction", tolerances.MOST_UNCERTAIN),
+        ("YADE's friction state", friction_state.CONSISTENT),
+        ("steadiness of the plateau", friction_state.STEADY),
+        ("moving blocks", mechanisms.SAME_MASS),
+        ("force sums over sections", sections.SECTION),
+    ],
+)
+def test_the_row_of_a_check_states_the_tolerance_that_the_judge_uses(check: str, tolerance: float) -> None:
+    (row,) = re.findall(rf"^\| {re.escape(check)}\b.*", PAGE, re.MULTILINE)
+    assert re.search(rf"(?<![\d.]){100.0 * tolerance:g} %", row), f"{100.0 * tolerance:g} % is not in: {row}"
+
+
+def test_the_page_states_the_floor_and_the_tolerances_that_are_no_per_cents() -> None:
+    page = " ".join(PAGE.split())
+    assert f"The floor is {100.0 * FLOOR:g} % of the reaction, but at least {100.0 * LEAST_REACTION:g} % of the weight" in page
+    for value, words in (
+        (LEAST_REACTION, r"of a multiplier: (\S+)\)"),
+        (mechanisms.SIMILAR, r"modal assurance of both mechanisms is at least (\S+);"),
+        (reduced_model.IN_SPACE, r"(\S+) of a block: ten times the residual"),
+    ):
+        assert [float(stated) for stated in re.findall(words, page)] == [value]
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -11,6 +11,7 @@ from conftest import CrossChecked, Silent
 
 import la_core
 from comparison.judge import FLOOR
+from comparison.judge.checks.friction_state import STEADY
 from comparison.judge.checks.mechanisms import SIMILAR
 from comparison.workflow import run_scene
 from la_core.limit.associated import Status
@@ -20,7 +21,6 @@ from la_core.measures import mechanism
 CrossCheck = Callable[[str], CrossChecked]
 SETTLING_WEIGHT = 2e-3  # of the reaction: what elastic joints may leave of an exact one
 HISTORY = 1e-2  # of the reaction: what the steps of either method leave open in friction's history
-STEADY = 5e-3  # of the reaction: scatter above this is stick-slip, whose mean is known less well
 WALLS = ("wall_third", "wall_half", "wall_low_friction", "wall_long", "wall_tall", "facade", "corner_settling_end")
 
 
