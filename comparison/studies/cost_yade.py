@@ -19,7 +19,7 @@ FACTORS = {  # of the derived value, by setting of YADE, with the setting's name
     "plateau_travel": ("least travel before the fit", (0.5, 2.0)),
 }
 INSET_FACTORS = (2.0, 0.5, 0.2)
-TIME_LIMIT = 3600.0  # s
+TIME_LIMIT = 3600.0  # s of wall time for one rung where the scene says nothing
 
 
 def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]) -> Iterator[Method]:

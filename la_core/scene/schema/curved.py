@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from la_core.scene.schema.masonry import ROUND
-from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Positive, Real, Table, Vector, described
+from la_core.scene.schema.types import Count, Name, Positive, Real, Table, Vector, bound_blocks, described
 
 WIDEST = 120.0  # degrees that one voussoir may span: wider ones are slivers about their centre
 FEWEST = 3  # voussoirs of a ring given by its span: fewer have a joint that is no joint of the shape
@@ -97,8 +97,7 @@ class Arch(Ring):
 
     @model_validator(mode="after")
     def _is_bounded_in_rings(self) -> Self:
-        if self.voussoirs * self.rings > MOST_BLOCKS:
-            raise ValueError(f"`voussoirs` times `rings` may be at most {MOST_BLOCKS}")
+        bound_blocks(voussoirs=self.voussoirs, rings=self.rings)
         return self
 
 
@@ -112,8 +111,7 @@ class Vault(Ring):
 
     @model_validator(mode="after")
     def _is_bounded(self) -> Self:
-        if self.voussoirs * self.rings > MOST_BLOCKS:
-            raise ValueError(f"`voussoirs` times `rings` may be at most {MOST_BLOCKS}")
+        bound_blocks(voussoirs=self.voussoirs, rings=self.rings)
         return self
 
 
@@ -157,8 +155,7 @@ class Dome(Table):
             raise ValueError("`oculus` must be less than `embrace`; otherwise the dome has no courses")
         if self.oculus == 0.0 and self.courses == 1:
             raise ValueError("`courses` must be at least 2 where a keystone closes the dome: it is the first of them")
-        if self.courses * self.lunes > MOST_BLOCKS:
-            raise ValueError(f"`courses` times `lunes` may be at most {MOST_BLOCKS}")
+        bound_blocks(courses=self.courses, lunes=self.lunes)
         return self
 
     @model_validator(mode="after")

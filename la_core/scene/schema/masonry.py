@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, NotNegative, Pair, Positive, Real, Table, Vector, described
+from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, NotNegative, Pair, Positive, Real, Table, Vector, bound_blocks, described
 
 ROUND = 1e-9  # of a length: round-off in values that users divide by hand
 SIDES = {  # walls of a plan: which axis each runs along
@@ -13,6 +13,12 @@ SIDES = {  # walls of a plan: which axis each runs along
     "T": {"south": "x", "stem": "y"},
     "cross": {"along x": "x", "along y": "y"},
 }
+
+
+def _need_area(low: tuple[float, float], high: tuple[float, float]) -> None:
+    """Raise ValueError where the rectangle from the corner `low` to the corner `high` has no area."""
+    if high[0] <= low[0] or high[1] <= low[1]:
+        raise ValueError("both coordinates of `to` must be greater than those of `from`")
 
 
 class Opening(Table):
@@ -38,8 +44,7 @@ class Opening(Table):
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
-        if self.to[0] <= self.from_[0] or self.to[1] <= self.from_[1]:
-            raise ValueError("both coordinates of `to` must be greater than those of `from`")
+        _need_area(self.from_, self.to)
         return self
 
     @model_validator(mode="after")
@@ -135,8 +140,7 @@ class Wall(Table):
 
     @model_validator(mode="after")
     def _is_bounded(self) -> Self:
-        if self.per_course * self.courses * self.leaves > MOST_BLOCKS:
-            raise ValueError(f"`per_course` times `courses` times `leaves` may be at most {MOST_BLOCKS}")
+        bound_blocks(per_course=self.per_course, courses=self.courses, leaves=self.leaves)
         return self
 
     @model_validator(mode="after")
@@ -175,8 +179,7 @@ class Region(Table):
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
-        if self.to[0] <= self.from_[0] or self.to[1] <= self.from_[1]:
-            raise ValueError("both coordinates of `to` must be greater than those of `from`")
+        _need_area(self.from_, self.to)
         return self
 
 

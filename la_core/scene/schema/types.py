@@ -1,6 +1,7 @@
 """Types of the entries of a scene file: numbers within limits, vectors, names, and tables that refuse unknown keys."""
 
 import datetime
+import math
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
@@ -51,6 +52,12 @@ Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME), AfterValida
 MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long
 LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
+
+
+def bound_blocks(**counts: int) -> None:
+    """Raise ValueError where the product of these counts, each with its key, is more than MOST_BLOCKS."""
+    if math.prod(counts.values()) > MOST_BLOCKS:
+        raise ValueError(f"{' times '.join(f'`{key}`' for key in counts)} may be at most {MOST_BLOCKS}")
 
 
 def not_zero(vector: Vector) -> Vector:
