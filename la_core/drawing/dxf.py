@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -28,6 +29,9 @@ LEAST_CHORDS = 2  # of a curve
 LARGEST = 1e12  # units of the file: extent of one entity
 FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
 DWG = b"AC10"  # the first bytes of a DWG file
+BINARY = b"AutoCAD Binary DXF"  # those of a binary DXF file
+CONFLICT = re.compile(r"(\w+)\(#(\w+)\) with a conflicting handle")  # an entity that ezdxf left out, in its message
+RECOVERED = re.compile(r'value "(.*)" near line (\d+)')  # a number that ezdxf guessed, in its message
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
@@ -35,6 +39,8 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
     """Outlines and lines in the model space of a DXF file; parameters and errors are those of `read_outlines`."""
     if content.startswith(DWG):
         raise ValueError("is a DWG file; save it as DXF")
+    if content.startswith(BINARY):
+        raise ValueError("is a binary DXF file; save it as a DXF file of text (ASCII)")
     from ezdxf import recover  # noqa: PLC0415 - an optional extra
 
     try:
@@ -42,6 +48,7 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
         paper = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"is not a whole DXF file: {_words(error)}") from error
+    _refuse_damage(auditor)
     if paper is None:
         raise ValueError('does not say its unit; state it: unit = "mm"')
     metres = paper * scale
@@ -56,6 +63,29 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
     except Exception as error:
         raise ValueError(f"holds an entity that cannot be read: {_words(error)}") from error
     return drawn
+
+
+def _refuse_damage(auditor: Any) -> None:
+    """Raise ValueError where ezdxf guessed a coordinate, or left out one of two entities: stones would move or vanish."""
+    from ezdxf.audit import AuditError  # noqa: PLC0415
+
+    removed = [fix.message for fix in auditor.fixes if fix.code == AuditError.REMOVED_INVALID_DXF_OBJECT]
+    for kind, handle in (found.groups() for found in map(CONFLICT.search, removed) if found):
+        if kind in (*CURVES, "INSERT"):
+            where = f"holds {kind} entities or others with the same handle {handle} (code 5)"
+            raise ValueError(f"{where}, which must be unique; save it again in a CAD program, or leave all handles out")
+    guessed = [error.message for error in auditor.errors if error.code == AuditError.INVALID_FLOATING_POINT_VALUE]
+    for text, line in (found.groups() for found in map(RECOVERED.search, guessed) if found):
+        if not _is_number(text):  # the other coordinates of its point are in the list, too
+            raise ValueError(f'holds "{text[:40]}" near its line {line}, where a number is expected; write it with digits and a point')
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
