@@ -1,14 +1,12 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import CLIPPED, HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline, by_layer
+from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, by_layer
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
-from la_core.drawing.remarks import open_words, remarks
+from la_core.drawing.remarks import open_words, remarks, unseen_words
 
 __all__ = [
-    "CLIPPED",
     "DRAWING_FORMATS",
-    "HIDDEN",
     "UNITS",
     "Cleaned",
     "Drawn",
@@ -21,4 +19,5 @@ __all__ = [
     "read_outlines",
     "remarks",
     "straightened",
+    "unseen_words",
 ]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.drawing.outlines import HIDDEN, Drawn
+from la_core.drawing.outlines import CLIPPED, ELSEWHERE, HIDDEN, MISSING, Drawn
 
 INSERT_UNITS = {
     1: 0.0254,
@@ -95,7 +95,7 @@ def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
     sheets = [layout for layout in document.layouts if not layout.is_modelspace]
     on_sheets = sum(entity.dxftype() != "VIEWPORT" for sheet in sheets for entity in sheet)
     missing = sum(fix.code == AuditError.UNDEFINED_BLOCK for fix in auditor.fixes)
-    return {"entities in paper space": on_sheets, "inserts of missing blocks": missing}
+    return {"entities in paper space": on_sheets, MISSING: missing}
 
 
 def _entities(
@@ -103,8 +103,9 @@ def _entities(
 ) -> Iterator[tuple[Any, str, str, Any]]:
     """Every entity with its layer, its colour, and the matrix that puts those of inserted blocks in place, None for none.
 
-    Layer 0 of a block is the layer of its insert. None stands for an entity that the drawing hides. `numbers` counts entities and copies:
-    copies of an empty block yield none. Matrices are multiplied here: ezdxf's own copies of a turned block in a stretched one are wrong.
+    Layer 0 of a block is the layer of its insert. A word stands for what is counted alone, as for an entity that the drawing hides.
+    `numbers` counts entities and copies: copies of an empty block yield none. Matrices are multiplied here: ezdxf's own copies of a turned
+    block in a stretched one are wrong.
     """
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
@@ -113,17 +114,30 @@ def _entities(
         own = str(entity.dxf.get("layer", "0"))
         where = layer if own == "0" and depth else own
         if _is_hidden(entity, document, where):
-            yield None, where, "", None
+            yield HIDDEN, where, "", None
             continue
         drawn_in = _colour(entity, document, where, colour)
         if entity.dxftype() != "INSERT":
             yield entity, where, drawn_in, motion
             continue
+        for word in _not_followed(entity):
+            yield word, where, "", None
         for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
             _refuse_too_many(next(numbers))
             own_motion = insert.matrix44()
             whole = own_motion if motion is None else own_motion * motion  # row vectors: the inner one comes first
             yield from _entities(insert.block() or (), document, where, drawn_in, whole, depth + 1, numbers)
+
+
+def _not_followed(insert: Any) -> Iterator[str]:
+    """Words for what an insert shows and is not read: a drawing in another file, and the clip path of the insert (an xclip)."""
+    from ezdxf.xclip import XClip  # noqa: PLC0415
+
+    block = insert.block()
+    if block is not None and block.block.is_xref:
+        yield ELSEWHERE
+    if XClip(insert).is_clipping_enabled:
+        yield CLIPPED
 
 
 def _refuse_too_many(number: int) -> None:
@@ -132,7 +146,7 @@ def _refuse_too_many(number: int) -> None:
 
 
 def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: float, sagitta: float) -> None:
-    kind = HIDDEN if entity is None else entity.dxftype()
+    kind = entity if isinstance(entity, str) else entity.dxftype()
     is_surface = kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)  # a mesh
     if kind not in CURVES or is_surface:
         drawn.ignore(kind)

@@ -8,6 +8,8 @@ import numpy as np
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
 CLIPPED = "clip paths"  # kind of those that cut off a part of a drawing, which is read whole
 HIDDEN = "hidden entities"  # kind of those that a drawing does not show
+ELSEWHERE = "drawings in other files"  # kind of the inserts of such drawings (external references)
+MISSING = "inserts of missing blocks"  # kind of inserts of blocks that the file does not hold
 ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
 

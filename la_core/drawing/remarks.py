@@ -1,9 +1,9 @@
 """What a user is told about the lines and outlines of a drawing, as sentences without their full stops."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from la_core.drawing.outlines import LayerCount, OpenOutline
+from la_core.drawing.outlines import CLIPPED, ELSEWHERE, HIDDEN, MISSING, LayerCount, OpenOutline
 from la_core.text_table import number_text, place_text
 
 MOST_NAMED = 3  # open outlines that a sentence names
@@ -40,6 +40,21 @@ def remarks(
     left_out = (_stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
     told = (open_words(open_outlines), *left_out, _edge_words(edges), _area_words(areas))
     return [words for words in told if words]
+
+
+def unseen_words(ignored: Mapping[str, int]) -> list[str]:
+    """Sentences on what a drawing hides, clips or takes from elsewhere, from the number of entities of each kind that are no outlines."""
+    told = []
+    if hidden := ignored.get(HIDDEN, 0):
+        what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"
+        told.append(f"{what}; show hidden layers to have them read")
+    if clipped := ignored.get(CLIPPED, 0):
+        told.append(f"clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
+    if elsewhere := ignored.get(ELSEWHERE, 0):
+        told.append(f"{ELSEWHERE} are not read ({elsewhere}); bind these external references into the drawing")
+    if missing := ignored.get(MISSING, 0):
+        told.append(f"{MISSING} show nothing ({missing}); save the drawing again with all its blocks")
+    return told
 
 
 def open_words(outlines: Sequence[OpenOutline]) -> str:

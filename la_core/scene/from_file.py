@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
+from la_core.drawing import DRAWING_FORMATS, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words
 from la_core.errors import SceneError, extra_hint, printable_name
 from la_core.scene.generators.drawings import nothing_found
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
@@ -165,15 +165,9 @@ def _doubt(clean: Cleaned) -> str:
 
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
-    """Comments on what is open, divides nothing or lies around others, and on what the drawing hides."""
+    """Comments on what is open, divides nothing or lies around others, and on what the drawing hides or does not hold."""
     told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across, edges=clean.edges, areas=clean.areas)
-    rows = [f"# CHECK: {words}" for words in told]
-    if hidden := drawn.ignored.get(HIDDEN, 0):
-        what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"
-        rows.append(f"# CHECK: {what}; show hidden layers to have them read")
-    if clipped := drawn.ignored.get(CLIPPED, 0):
-        rows.append(f"# CHECK: clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
-    return rows
+    return [f"# CHECK: {words}" for words in (*told, *unseen_words(drawn.ignored))]
 
 
 def _turned(blocks: list[Outline]) -> list[str]:

@@ -1,9 +1,16 @@
-"""DXF files with a fault that a reader could pass over: entities that would vanish or move are told of in words."""
+"""DXF files with a fault or a gap that a reader could pass over: what would vanish or move is told of in words."""
 
+import io
+from pathlib import Path
+
+import ezdxf
 import pytest
+from ezdxf.document import Drawing
+from ezdxf.xclip import XClip
 from wall_drawings import dxf, polyline
 
-from la_core.drawing import read_outlines
+from la_core.drawing import Drawn, read_outlines
+from la_core.scene import scene_from_file
 
 SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
 BESIDE = [(1000, 0), (2000, 0), (2000, 500), (1000, 500)]
@@ -32,3 +39,44 @@ def test_a_file_whose_entities_would_vanish_or_move_is_refused(content: bytes, w
 def test_handles_that_differ_are_read() -> None:
     content = dxf([with_handle(polyline(points, "A"), handle) for points, handle in ((SQUARE, "1E"), (BESIDE, "1F"))])
     assert len(read_outlines(".dxf", content, None, 0.005).outlines) == 2
+
+
+def read(document: Drawing) -> Drawn:
+    text = io.StringIO()
+    document.write(text)
+    return read_outlines(".dxf", text.getvalue().encode(), None, 0.005)
+
+
+def with_insert() -> Drawing:
+    """A document in mm with an insert of a block that holds one stone."""
+    document = ezdxf.new(units=4)
+    document.blocks.new("STONE").add_lwpolyline(SQUARE, close=True)
+    document.modelspace().add_blockref("STONE", (0, 0))
+    return document
+
+
+def test_drawings_in_other_files_are_counted_and_told_of_in_a_new_scene(tmp_path: Path) -> None:
+    document = with_insert()
+    document.add_xref_def("arch.dwg", "ARCH")
+    document.modelspace().add_blockref("ARCH", (0, 0))
+    drawn = read(document)
+    assert drawn.ignored == {"drawings in other files": 1}
+    assert len(drawn.outlines) == 1
+    document.saveas(tmp_path / "wall.dxf")
+    assert "# CHECK: drawings in other files are not read (1)" in scene_from_file(tmp_path / "wall.dxf", tmp_path)
+
+
+def test_a_new_scene_tells_of_inserts_of_missing_blocks(tmp_path: Path) -> None:
+    document = with_insert()
+    document.modelspace().add_blockref("ARCH", (0, 0))
+    document.saveas(tmp_path / "wall.dxf")
+    assert "# CHECK: inserts of missing blocks show nothing (1)" in scene_from_file(tmp_path / "wall.dxf", tmp_path)
+
+
+def test_the_clip_path_of_an_insert_is_counted() -> None:
+    document = with_insert()
+    clip = XClip(next(iter(document.modelspace())))
+    clip.set_block_clipping_path([(0, 0), (500, 500)])
+    assert read(document).ignored == {"clip paths": 1}
+    clip.disable_clipping()
+    assert read(document).ignored == {}
