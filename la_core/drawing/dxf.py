@@ -111,7 +111,7 @@ def _entities(
         raise ValueError(f"has inserts more than {DEEPEST} deep")
     for entity in entities:
         _refuse_too_many(next(numbers))
-        own = str(entity.dxf.get("layer", "0"))
+        own = _layer(entity, document)
         where = layer if own == "0" and depth else own
         if _is_hidden(entity, document, where):
             yield HIDDEN, where, "", None
@@ -127,6 +127,12 @@ def _entities(
             own_motion = insert.matrix44()
             whole = own_motion if motion is None else own_motion * motion  # row vectors: the inner one comes first
             yield from _entities(insert.block() or (), document, where, drawn_in, whole, depth + 1, numbers)
+
+
+def _layer(entity: Any, document: Any) -> str:
+    """Name of an entity's layer as the file's table of layers spells it: DXF does not distinguish `Stones` and `STONES`."""
+    own = str(entity.dxf.get("layer", "0")) or "0"
+    return str(document.layers.get(own).dxf.name) if own in document.layers else own
 
 
 def _not_followed(insert: Any) -> Iterator[str]:
@@ -236,8 +242,8 @@ def _colour(entity: Any, document: Any, layer: str, of_block: str) -> str:
     number = int(entity.dxf.get("color", BY_LAYER))
     if number == BY_BLOCK:
         return of_block
-    if number == BY_LAYER and layer in document.layers:
-        number = abs(int(document.layers.get(layer).dxf.get("color", 7)))
+    if number == BY_LAYER:  # a layer that the file does not describe is white
+        number = abs(int(document.layers.get(layer).dxf.get("color", 7))) if layer in document.layers else 7
     return COLOURS.get(number, str(number))
 
 

@@ -55,6 +55,25 @@ def with_insert() -> Drawing:
     return document
 
 
+def test_a_binary_file_is_told_to_be_saved_as_text() -> None:
+    content = io.BytesIO()
+    with_insert().write(content, fmt="bin")
+    with pytest.raises(ValueError, match="is a binary DXF file; save it as a DXF file of text"):
+        read_outlines(".dxf", content.getvalue(), None, 0.005)
+
+
+def test_names_of_layers_that_differ_by_capitals_are_one_layer() -> None:
+    document = ezdxf.new(units=4)
+    document.layers.add("Stones", color=3)
+    for k in range(4):
+        document.modelspace().add_line(SQUARE[k], SQUARE[k - 1], dxfattribs={"layer": ("STONES", "stones")[k % 2]})
+    assert {place: len(lines) for place, lines in read(document).lines.items()} == {("Stones", "green"): 4}
+
+
+def test_a_layer_that_the_file_does_not_describe_is_white() -> None:
+    assert read_outlines(".dxf", dxf([polyline(SQUARE, "A")]), None, 0.005).places == {("A", "white")}
+
+
 def test_drawings_in_other_files_are_counted_and_told_of_in_a_new_scene(tmp_path: Path) -> None:
     document = with_insert()
     document.add_xref_def("arch.dwg", "ARCH")
