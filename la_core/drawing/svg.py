@@ -187,7 +187,8 @@ class _Reader:
 
     def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
         """Add the lines of a shape, or count it if it is hidden."""
-        if not (here.displayed and here.visible):
+        may_be_painted = self.sheet.unread > 0  # by a rule that is not read
+        if not (here.displayed and here.visible) or (_is_unpainted(here) and not may_be_painted):
             self.drawn.ignore(HIDDEN)
             return
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
@@ -252,6 +253,11 @@ def _is_filled(here: _Around) -> bool:
     if here.fill:
         return here.fill not in UNPAINTED
     return here.stroke in ("", *UNPAINTED)
+
+
+def _is_unpainted(here: _Around) -> bool:
+    """Whether nothing shows a shape: it has no fill by its own word or a group's, and no stroke. Programs write pages and artboards so."""
+    return here.fill in UNPAINTED and here.stroke in ("", *UNPAINTED)
 
 
 def _encloses(points: np.ndarray) -> bool:

@@ -285,6 +285,8 @@ HIDING = {  # what hides one rectangle
     "sheet in defs": f"<defs><style><![CDATA[.a{{display:none}}]]></style></defs><g class='a'>{ONE}</g>",
     "with what is not read": f'<g display="none" transform="turn(1)"><svg width="0">{ONE}</svg></g>',
     "shape itself": '<rect width="1000" height="100" display="none"/>',
+    "artboard": '<rect id="Artboard1" width="2000" height="1000" style="fill:none;"/>',
+    "neither fill nor stroke": f'<g fill="none" stroke="none">{ONE}</g>',
 }
 SHOWING = {  # what hides nothing
     "style over sheet": f"<style>.a{{display:none}}</style><g class='a' style='display:inline'>{ONE}</g>",
@@ -294,6 +296,8 @@ SHOWING = {  # what hides nothing
     "on paper": f"<style>@media print {{.a{{display:none}}}}</style><g class='a'>{ONE}</g>",
     "under the pointer": f"<style>.a:hover{{display:none}}</style><g class='a'>{ONE}</g>",
     "comment": f"<style>/* .a{{display:none}} */</style><g class='a'>{ONE}</g>",
+    "fill alone": f'<g stroke="none">{ONE}</g>',
+    "stroke alone": f'<g fill="none" stroke="#000">{ONE}</g>',
 }
 
 
@@ -347,6 +351,10 @@ def test_a_rule_that_may_hold_on_a_screen_and_is_not_read_is_counted(rule: str) 
     assert drawn.ignored == {"rules of style sheets": 1}
 
 
+def test_a_shape_that_an_unread_rule_may_stroke_is_read() -> None:
+    assert area(read(f'<style>g rect{{stroke:#000}}</style><g fill="none">{ONE}</g>')) == pytest.approx(0.1, rel=ROUND_OFF)
+
+
 def test_of_a_switch_the_first_part_that_asks_for_nothing_is_drawn() -> None:
     other = '<rect y="900" width="70" height="70"/>'
     drawn = read(f'<switch><g systemLanguage="xx">{other}</g><foreignObject requiredExtensions="a"/><g>{ONE}</g><g>{other}</g></switch>')
@@ -388,8 +396,8 @@ FILLED = {
 UNFILLED = {
     "stroke alone": f'<path stroke="black" d="{OPEN}"/>',
     "stroke of a group": f'<g stroke="black"><path d="{OPEN}"/></g>',
-    "no fill": f'<g fill="#ccc"><path fill="none" d="{OPEN}"/></g>',
-    "transparent": f'<path style="fill:transparent" d="{OPEN}"/>',
+    "no fill": f'<g fill="#ccc" stroke="black"><path fill="none" d="{OPEN}"/></g>',
+    "transparent": f'<path style="fill:transparent;stroke:#000" d="{OPEN}"/>',
     "a straight line": '<path fill="#ccc" d="M0 1200H1000H2000"/>',
     "a line": '<line fill="#ccc" x1="0" y1="1200" x2="2000" y2="1200"/>',
     "a crack that crosses its closing side": '<polyline fill="#ccc" stroke="#000" points="0,0 100,50 200,-50 300,50 400,0"/>',
