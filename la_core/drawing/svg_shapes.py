@@ -51,8 +51,7 @@ def shape_lines(
     if kind == "path":
         return path_lines(element.get("d", ""), sagitta, curves)
     if kind in ("polygon", "polyline"):
-        numbers = [float(text) for text in NUMBER.findall(element.get("points", ""))]
-        return [(np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2), kind == "polygon")]
+        return [(_corners(element.get("points", ""), kind), kind == "polygon")]
     if kind == "line":
         return [(np.array([(length("x1", "x"), length("y1", "y")), (length("x2", "x"), length("y2", "y"))]), False)]
     if kind == "rect":
@@ -68,6 +67,20 @@ def shape_lines(
     is_drawn = radii.min() > 0.0
     curves += [np.concatenate([points, points[:1]])] if is_drawn else []
     return [(points, True)] if is_drawn else []
+
+
+def _corners(text: str, kind: str) -> np.ndarray:
+    """Corners (n, 2) of a <polygon> or <polyline>."""
+    numbers: list[float] = []
+    place = 0
+    while match := NEXT_NUMBER.match(text, place):
+        numbers.append(float(match[1]))
+        place = match.end()
+    if rest := " ".join(text[place:].split()).strip(" ,"):
+        raise ValueError(f'has a <{kind}> with "{rest[:20]}" in its points, where a number is expected; correct the points')
+    if len(numbers) % 2:
+        raise ValueError(f"has a <{kind}> whose points have {len(numbers)} numbers, where each point has two; correct the points")
+    return np.array(numbers).reshape(-1, 2)
 
 
 def _radii(element: ElementTree.Element, viewport: Viewport, size: np.ndarray) -> np.ndarray:

@@ -54,6 +54,18 @@ def test_an_arc_far_larger_than_the_sagitta_has_few_chords(body: str) -> None:
     assert len(outline.points) <= 1001
 
 
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        ("0,0 1000,0 1000,abc 0,500", 'has a <polygon> with "abc 0,500" in its points, where a number is expected'),
+        ("0,0 1000,0 1000,500 0", "has a <polygon> whose points have 7 numbers, where each point has two"),
+    ],
+)
+def test_points_that_are_no_pairs_of_numbers_are_refused(points: str, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        read(f'<polygon points="{points}"/>')
+
+
 @pytest.mark.parametrize("page", ['width="1e300mm" viewBox="0 0 1e-300 1"', 'width="1e-300mm" viewBox="0 0 1e300 1"'])
 def test_a_page_out_of_all_sizes_says_no_unit(page: str) -> None:
     with pytest.raises(ValueError, match="does not say its unit"):
