@@ -10,7 +10,7 @@ import shapely
 from la_core.drawing.curves import Curves
 from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, retraced, within
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, touched
-from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
+from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer, end_met
 from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: least error of coordinates of lines that are meant to meet, whatever the tolerance
@@ -158,7 +158,7 @@ class _Found:
 
 def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
-    found = _Found(list(drawn.outlines), {}, [], [], [], [])
+    found = _Found([end_met(outline, snap) for outline in drawn.outlines], {}, [], [], [], [])
     for (layer, colour), of_layer in drawn.lines.items():
         every = of_layer
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]

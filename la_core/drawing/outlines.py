@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
 CLIPPED = "clip paths"  # kind of those that cut off a part of a drawing, which is read whole
@@ -143,6 +144,14 @@ def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]
         one = found.get(layer, LayerCount(layer, 0, float(x), float(z)))
         found[layer] = replace(one, count=one.count + 1)
     return tuple(found.values())
+
+
+def end_met(outline: Outline, snap: float) -> Outline:
+    """An outline that crosses itself as its last corner is its first one again, up to `snap` (m), without this corner; else as it is."""
+    first, last = outline.points[[0, -1]]
+    if len(outline.points) < 4 or np.hypot(*(last - first)) > snap or shapely.Polygon(outline.points).is_valid:
+        return outline
+    return replace(outline, points=outline.points[:-1])
 
 
 def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:

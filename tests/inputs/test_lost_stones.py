@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 import la_core
-from la_core.drawing import read_outlines
+from la_core.drawing import cleaned, read_outlines
 from la_core.scene import Scene
 
 GRAVITY, DENSITY, THICKNESS = 9.81, 2000.0, 0.5
@@ -199,3 +199,20 @@ def test_a_closed_spline_without_a_beginning_is_its_curve(shift: float, weights:
     curve = np.concatenate([sum(one * corners[k + j] for j, one in enumerate(basis)) for k in range(4)])
     found = outline_of(document)
     assert found.is_valid and found.hausdorff_distance(shapely.Polygon(curve)) < within
+
+
+@pytest.mark.parametrize(("overrun", "tolerance"), [(1e-7, 0.0), (5e-5, 0.0), (0.002, 0.005)])
+@pytest.mark.parametrize("side", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_a_closed_outline_may_overrun_its_start(side: tuple[int, int], overrun: float, tolerance: float, tmp_path: Path) -> None:
+    """Programs write the last corner of a closed path again, rounded, and then close it: such an outline may cross itself by a hair."""
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    points = -np.array([*corners, (overrun * side[0], overrun * side[1])])
+    drawing = f'<svg viewBox="-2 -2 4 4"><polygon points="{" ".join(f"{x:.9f},{z:.9f}" for x, z in points)}"/></svg>'
+    outlines = cleaned(read_outlines(".svg", drawing.encode(), 1.0, 0.005), tolerance).outlines
+    assert [shapely.Polygon(one.points).area for one in outlines] == pytest.approx([1.0], abs=2.0 * overrun)
+
+
+def test_an_outline_that_overruns_its_start_farther_is_refused() -> None:
+    drawing = '<svg viewBox="-2 -2 4 4"><polygon points="0,0 1,0 1,1 0,1 0.01,-0.01"/></svg>'
+    with pytest.raises(ValueError, match="the outline crosses itself"):
+        cleaned(read_outlines(".svg", drawing.encode(), 1.0, 0.005), 0.005)
