@@ -6,6 +6,7 @@ read: text and images are not.
 
 import itertools
 import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from xml.etree import ElementTree
@@ -24,6 +25,8 @@ CONTAINERS = {"svg", "g", "a", "switch", "use"}
 WITH_VIEW = {"svg", "symbol"}  # what has a view box of its own
 DEEPEST = 100  # groups and copies within one another
 MOST_COPIED = 200_000  # elements of all copies: copies of copies can fill the memory
+ENTITY = re.compile(rb"""<!ENTITY\s+([\w.:-]+)\s+("[^"&%]*"|'[^'&%]*')\s*>""")  # a text without another entity in it
+MOST_GROWN = 10_000_000  # characters of all entities where they are used
 XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 UNPAINTED = {"none", "transparent"}
@@ -36,8 +39,7 @@ SAME_POINT = 1e-9  # of the size of a line
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
 def read_svg(content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:
     """Outlines and lines of an SVG file; parameters and errors are those of `read_outlines`."""
-    if b"<!ENTITY" in content:  # nested entities can fill the memory
-        raise ValueError("defines entities, which no drawing needs; save it again as plain SVG")
+    _refuse_growing_entities(content)
     try:
         root = ElementTree.fromstring(content)
     except (ElementTree.ParseError, ValueError, LookupError) as error:
@@ -58,6 +60,19 @@ def read_svg(content: bytes, unit: float | None, sagitta: float, scale: float = 
     for _ in range(reader.sheet.unread):
         reader.drawn.ignore(UNREAD_RULES)
     return reader.drawn
+
+
+def _refuse_growing_entities(content: bytes) -> None:
+    """Raise ValueError for entities that could fill the memory: nested ones, those of other files, and long ones that are used often.
+
+    Illustrator defines entities for its namespaces, and at times for its styles.
+    """
+    plain = ENTITY.findall(content)
+    if len(plain) < content.count(b"<!ENTITY"):
+        raise ValueError("defines entities within entities or from other files, which no drawing needs; save it again as plain SVG")
+    grown = sum(len(value) * content.count(b"&" + name + b";") for name, value in plain)
+    if grown > MOST_GROWN:
+        raise ValueError(f"has entities of {grown} characters where they are used, more than {MOST_GROWN}; save it again as plain SVG")
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,8 @@ REFUSED = {
 REFUSED_SVG = {
     "not XML": (b"hello", "is not a whole SVG file"),
     "another XML": (b"<html/>", "is not an SVG file: its first element is <html>"),
-    "entities": (b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', "defines entities"),
+    "entities": (b'<!DOCTYPE svg [<!ENTITY a "b"><!ENTITY c "&a;&a;">]><svg/>', "defines entities within entities"),
+    "entity of a file": (b'<!DOCTYPE svg [<!ENTITY a SYSTEM "file:///b">]><svg/>', "defines entities within entities or from other files"),
     "no unit": (b'<svg width="100" height="100"/>', "does not say its unit"),
     "broken path": (b'<svg width="1mm"><path d="M 1 2 3"/></svg>', "has a path whose command M has 3 numbers"),
     "path of letters": (b'<svg width="1mm"><path d="L 1 2"/></svg>', "has a path that does not begin with M"),

@@ -486,3 +486,27 @@ def test_a_group_of_one_outline_is_a_layer_however_it_is_closed() -> None:
 def test_a_shape_without_a_size_draws_nothing(shape: str) -> None:
     drawn = read(ONE + shape)
     assert len(drawn.outlines) == 1 and not drawn.lines
+
+
+ILLUSTRATOR = f"""<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://www.w3.org/Graphics/SVG/1.1/DTD/svg11.dtd" [
+  <!ENTITY ns_ai "http://ns.adobe.com/AdobeIllustrator/10.0/">
+  <!ENTITY ns_svg "http://www.w3.org/2000/svg">
+  <!ENTITY st0 'display:none;'>
+]>
+<svg xmlns:i="&ns_ai;" xmlns="&ns_svg;" width="2000mm" height="1000mm" viewBox="0 0 2000 1000"><switch>
+  <foreignObject requiredExtensions="&ns_ai;" width="1" height="1"/>
+  <g i:extraneous="self"><g id="Stones">{ONE}<g style="&st0;">{ONE}</g></g></g>
+</switch></svg>""".encode()
+
+
+def test_entities_of_illustrator_are_read() -> None:
+    drawn = read_outlines(".svg", ILLUSTRATOR, None, 0.005)
+    assert (area(drawn), drawn.places) == (pytest.approx(0.1, rel=ROUND_OFF), {("Stones", "none")})
+    assert drawn.ignored == {"hidden entities": 1}
+
+
+def test_entities_that_would_fill_the_memory_are_refused() -> None:
+    content = b'<!DOCTYPE svg [<!ENTITY a "' + 5000 * b"b" + b'">]><svg width="1mm"><title>' + 3000 * b"&a;" + b"</title></svg>"
+    with pytest.raises(ValueError, match="has entities of 15006000 characters where they are used, more than 10000000"):
+        read_outlines(".svg", content, None, 0.005)
