@@ -10,7 +10,7 @@ import shapely
 from la_core.drawing.curves import Curves
 from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, retraced, within
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, touched
-from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer, end_met
+from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer, end_met, refuse_flat
 from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: least error of coordinates of lines that are meant to meet, whatever the tolerance
@@ -90,17 +90,16 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     Raises
     ------
     ValueError
-        An outline crosses itself, or outlines lie upon each other in more than MOST_PAIRS pairs, or lines cross too often.
+        Nothing has a height, an outline crosses itself, more than MOST_PAIRS pairs of outlines overlap, or lines cross too often.
     """
     curves = Curves(drawn.curves, drawn.sagitta)
     found = _found(drawn, max(SNAP, tolerance), curves)
     outlines, idle = found.outlines, tuple((place[0], line) for place, lines in found.idle.items() for line in lines)
     open_ones = tuple(one for layer, line in (*idle, *found.again) for one in all_but_closed([line], layer))
     loose = len(idle) + len(found.again)
+    refuse_flat([outline.points for outline in outlines], [line for _, line in idle])
     if not outlines:
         return Cleaned((), 0, 0, loose, open_ones, 0, by_layer(found.around), (), idle)
-    if not any(np.ptp(outline.points, axis=0).all() for outline in outlines):
-        raise ValueError("has only outlines without height; the elevation must lie in the xy plane of the file, its heights along y")
     polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
     crossed = ~shapely.is_valid(polygons)
     if crossed.any():

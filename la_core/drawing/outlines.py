@@ -146,6 +146,19 @@ def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]
     return tuple(found.values())
 
 
+def refuse_flat(outlines: Iterable[np.ndarray], lines: Iterable[np.ndarray]) -> None:
+    """Raise ValueError where no outline (n, 2) has a width and a height, or where there is none and lines (n, 2) together have not both.
+
+    This is how an elevation looks that lies in another plane than xy.
+    """
+    sizes = [np.ptp(outline, axis=0) > 0.0 for outline in outlines]
+    extents = [np.ptp(line, axis=0) > 0.0 for line in lines]
+    is_flat = not any(size.all() for size in sizes) if sizes else bool(extents) and not np.any(extents, axis=0).all()
+    if is_flat:
+        what = "outlines" if sizes else "lines"
+        raise ValueError(f"has only {what} without height; the elevation must lie in the xy plane of the file, its heights along y")
+
+
 def end_met(outline: Outline, snap: float) -> Outline:
     """An outline that crosses itself as its last corner is its first one again, up to `snap` (m), without this corner; else as it is."""
     first, last = outline.points[[0, -1]]

@@ -283,8 +283,14 @@ def test_an_elevation_that_stands_upright_in_the_file_is_refused_in_words(tmp_pa
     def draw(space: Any) -> None:
         space.add_polyline3d([(0, 0, 0), (1000, 0, 0), (1000, 0, 500), (0, 0, 500)], close=True)
 
-    with pytest.raises(SceneError, match="must lie in the xy plane of the file"):
-        scene_of(tmp_path, draw)
+    def draw_lines(space: Any) -> None:
+        corners = [(0, 0, 0), (1000, 0, 0), (1000, 0, 500), (0, 0, 500)]
+        for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+            space.add_line(start, end)
+
+    for draws, what in ((draw, "outlines"), (draw_lines, "lines")):
+        with pytest.raises(SceneError, match=f"has only {what} without height; the elevation must lie in the xy plane of the file"):
+            scene_of(tmp_path, draws)
 
 
 @pytest.mark.parametrize(
