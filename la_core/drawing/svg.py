@@ -154,8 +154,10 @@ class _Reader:
             self._add(element, kind, here)
         elif kind == "use":
             self._add_copy(element, here, depth)
-        elif kind not in CONTAINERS and here.displayed:
-            self.drawn.ignore(kind)
+        elif kind not in CONTAINERS:  # a browser shows nothing in it, such as the frame of a text
+            if here.displayed:
+                self.drawn.ignore(kind)
+            return
         for child in _shown_of(element, kind):
             self.walk(child, here, depth + 1)
 

@@ -363,6 +363,14 @@ def test_a_rule_that_may_hold_on_a_screen_and_is_not_read_is_counted(rule: str) 
     assert drawn.ignored == {"rules of style sheets": 1}
 
 
+def test_what_lies_in_an_element_that_draws_nothing_is_no_stone() -> None:
+    """Inkscape writes a frame around text as a rectangle."""
+    text = '<flowRoot><flowRegion><rect width="100" height="50"/></flowRegion><flowPara>course 1</flowPara></flowRoot>'
+    drawn = read(f"{text}<filter><feBlend/></filter>{ONE}")
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
+    assert drawn.ignored == {"flowRoot": 1, "filter": 1}
+
+
 def test_a_shape_that_an_unread_rule_may_stroke_is_read() -> None:
     assert area(read(f'<style>g rect{{stroke:#000}}</style><g fill="none">{ONE}</g>')) == pytest.approx(0.1, rel=ROUND_OFF)
 
