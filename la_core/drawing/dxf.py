@@ -13,10 +13,17 @@ from la_core.drawing.outlines import CLIPPED, ELSEWHERE, HIDDEN, MISSING, Drawn
 INSERT_UNITS = {
     1: 0.0254,
     2: 0.3048,
+    3: 1609.344,
     4: 1e-3,
     5: 1e-2,
     6: 1.0,
+    7: 1e3,
+    9: 2.54e-5,
+    10: 0.9144,
+    13: 1e-6,
     14: 1e-1,
+    15: 10.0,
+    16: 100.0,
     21: 0.3048,
 }  # $INSUNITS of a DXF header, in m; 21 is a US survey foot
 COLOURS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "white"}

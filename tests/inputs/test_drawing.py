@@ -90,7 +90,9 @@ def test_one_outline_is_one_block(name: str, tmp_path: Path) -> None:
     assert areas(scene) == pytest.approx([0.1, 0.5], rel=1e-3)
 
 
-@pytest.mark.parametrize(("code", "metres"), [(1, 0.0254), (2, 0.3048), (4, 1e-3), (5, 1e-2), (6, 1.0), (14, 0.1)])
+@pytest.mark.parametrize(
+    ("code", "metres"), [(1, 0.0254), (2, 0.3048), (4, 1e-3), (5, 1e-2), (6, 1.0), (10, 0.9144), (13, 1e-6), (14, 0.1)]
+)
 def test_the_unit_is_the_file_s(code: int, metres: float, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, dxf([polyline(BASE, "GROUND"), polyline(SQUARE, "A")], unit=code), ground=["GROUND"])
     assert areas(scene) == pytest.approx([1e5 * metres**2, 5e5 * metres**2], rel=ROUND_OFF)
