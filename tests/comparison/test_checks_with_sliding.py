@@ -38,6 +38,14 @@ def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_e
     assert verdict_of("reaction within bounds", check_run(Results(analysis, run))) is Verdict.AGREE
 
 
+@pytest.mark.parametrize(("friction", "step"), [("coulomb", "finer paths"), ("associated", 'friction = "coulomb"')])
+def test_what_to_do_about_a_missing_prediction_depends_on_whether_one_was_requested(friction: str, step: str) -> None:
+    scene, analysis = case_of("two_blocks")
+    effects = analysis.assembly.effects.with_effect("friction", friction, "made up")
+    without = with_answers(analysis.with_effects(effects), coulomb=None)
+    assert step in predicted(Results(without, perfect_run(analysis, reaction=0.5 * scene.weight))).next_step
+
+
 @pytest.fixture(scope="module")
 def wall() -> tuple[Scene, LimitAnalysis]:
     """A wall whose joints slide, in which friction's history decides within an interval."""
