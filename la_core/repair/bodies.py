@@ -52,6 +52,11 @@ class _Face:
         return 2.0 * float(np.sqrt(max(spread[1], 0.0)))
 
 
+def is_bent(shape: Shape) -> bool:
+    """Whether faces of a convex body may be bent: inexact corners split a face into triangles, and facets of curves have more corners."""
+    return any(len(face) == 3 for face in shape.faces)
+
+
 def with_plane_faces(shape: Shape, tolerance: float) -> Shape:
     """A convex body whose faces are plane, for one with faces that inexact corners have bent; itself where it has no such face.
 

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from shapely.geometry.polygon import orient
 
 from la_core.geometry import FACE_FLATNESS, Shape, divided_loft, plane_axes, polyhedron, without_straight_corners
-from la_core.repair import with_plane_faces
+from la_core.repair import is_bent, with_plane_faces
 from la_core.scene.schema.types import LARGEST
 from la_core.text_table import place_text
 
@@ -96,9 +96,8 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
         if (prism := _exact_or_surveyed_prism(vertices, triangles, faces, tolerance)) is None:
             raise
         return prism, False
-    if deepest <= FACE_FLATNESS * size:
-        return shape, False
-    # Exact bodies have no dents, and keep all facets of their curves.
+    if deepest <= FACE_FLATNESS * size:  # a program may have made the body convex already, with bent faces
+        return with_plane_faces(shape, tolerance) if tolerance > 0.0 and is_bent(shape) else shape, False
     return with_plane_faces(polyhedron(vertices.tolist(), 2.0 * deepest / size), tolerance), True
 
 
