@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.faces import face_corners, face_overlaps, near_parts, opposite_faces
-from la_core.geometry.interfaces import TOUCH
+from la_core.geometry.faces import face_corners, face_overlaps, near_pairs, near_parts, opposite_faces
+from la_core.geometry.interfaces import OPPOSITE, TOUCH, touching
+from la_core.geometry.polygons import polygon_areas
 
 ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
 ANGLE = 3e-3  # rad: between faces with such a gap at one end
@@ -45,6 +46,21 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
     order = np.lexsort((-gap[missed], both[missed]))
     both, first = np.unique(both[missed][order], return_index=True)
     return MissedJoints(np.stack(np.divmod(both, len(blocks)), axis=1), gap[missed][order][first])
+
+
+def joint_areas(parts: Blocks, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The two blocks (J, 2) of every joint between convex parts of different blocks, and its area (J,), m2.
+
+    owner: (P,), the block of each part.
+    """
+    size = np.linalg.norm(parts.high - parts.low, axis=1)
+    pairs = near_pairs(parts, TOUCH * size)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    tolerance = TOUCH * size[pairs].min(axis=1)
+    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
+    overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)
+    start = np.concatenate([[0], np.cumsum(np.bincount(ring, minlength=len(overlap)))])
+    return owner[pairs[pair[overlap]]], polygon_areas(corners, start, parts.face_normal[face_a[overlap]])
 
 
 def _largest_distance(blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> np.ndarray:

@@ -9,10 +9,11 @@ import numpy as np
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners
 from la_core.repair.bodies import PLANE, between
-from la_core.repair.facing import Facing, facing_faces
+from la_core.repair.facing import facing_faces
 from la_core.repair.outline_motion import MovedOutline, moved_outline, onto_planes
 from la_core.repair.planes import planes_closing_most
 from la_core.repair.repairs import Repairs, Unclosed
+from la_core.repair.unclosed import lost_joints, unclosed
 from la_core.text_table import place_text
 
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
@@ -73,7 +74,10 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     owner_left = np.concatenate([owner_left, np.repeat(list(whole), [len(one.parts) for one in whole.values()]).astype(int)])
     found = _cut_overlaps(names, pieces, owner_left, _Drawn(parts, owner, float(reach.max())), origin)
     wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
-    unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
+    still_open = [*found.deep.values(), *unclosed(names, parts, owner, pairs, ~closed, tolerance)]
+    told = {frozenset(one.blocks) for one in still_open}
+    lost = lost_joints(names, parts, owner, reach[owner], (_gathered(names, pieces, owner_left), owner_left), tolerance)
+    still_open += [one for one in lost if frozenset(one.blocks) not in told]
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
         tolerance=tolerance,
@@ -85,7 +89,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         overlaps_cut=found.cut,
         deepest_cut=found.deepest,
         shortest_joint=SHORTEST * tolerance,
-        unclosed=tuple(replace(one, vertex=tuple((np.array(one.vertex) + origin).tolist())) for one in unclosed),
+        unclosed=tuple(replace(one, vertex=tuple((np.array(one.vertex) + origin).tolist())) for one in still_open),
     )
     return [_shifted(whole, origin) for whole in wholes], repairs
 
@@ -215,8 +219,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     """Cut every part that overlaps another block, in place, along the face of the other that it passes least, also where faces moved."""
     found = _Overlaps()
     for _ in range(ROUNDS):
-        with np.errstate(divide="ignore", invalid="ignore"):  # a face without area has no normal
-            parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+        parts = _gathered(names, pieces, owner)
         if (flat := ~np.isfinite(parts.face_normal).all(axis=1)).any():
             raise _nothing_left(parts, int(parts.face_block[np.argmax(flat)]), origin)
         size = np.linalg.norm(parts.high - parts.low, axis=1)
@@ -236,6 +239,11 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
         if not changed:
             break
     return found
+
+
+def _gathered(names: Sequence[str], pieces: Sequence[Shape], owner: np.ndarray) -> Blocks:
+    with np.errstate(divide="ignore", invalid="ignore"):  # a face without area has no normal
+        return Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), list(pieces)).parts
 
 
 def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape, float]:
@@ -258,24 +266,3 @@ def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, in
     height = (vertices @ parts.face_normal[faces].T - parts.face_offset[faces]).min(axis=0)
     best = int(np.argmax(height))
     return float(height[best]), np.append(parts.face_normal[faces][best], parts.face_offset[faces][best]), b
-
-
-def _unclosed(
-    names: Sequence[str], parts: Blocks, owner: np.ndarray, pairs: Facing, closed: np.ndarray, tolerance: float
-) -> tuple[Unclosed, ...]:
-    """Pairs that stay apart although their joint would be longer than the tolerance, the widest first."""
-    widest = pairs.widest
-    blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
-    extent, ring = np.zeros(len(pairs)), owners(pairs.start)
-    centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
-    np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
-    open_pairs = np.flatnonzero(~closed & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))
-    order = open_pairs[np.argsort(-np.abs(pairs.gap[widest[open_pairs]]), kind="stable")]
-    return tuple(
-        Unclosed(
-            (names[blocks[0][k]], names[blocks[1][k]]),
-            tuple(float(value) for value in pairs.middle[widest[k]]),  # type: ignore[arg-type]
-            float(pairs.gap[widest[k]]),
-        )
-        for k in order
-    )

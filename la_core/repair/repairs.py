@@ -8,6 +8,8 @@ from typing import Any
 class Unclosed:
     """Two faces that lie opposite each other within the tolerance, but could not be brought onto one plane; or an overlap too deep to cut.
 
+    Or two faces that were a little too far apart to be brought together, or lost most of their joint as a corner was cut.
+
     Attributes
     ----------
     blocks : tuple of str

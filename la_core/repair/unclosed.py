@@ -1,0 +1,78 @@
+"""Places that a repair leaves open: faces that stay apart, and joints of which less is left than the errors of their edges explain."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from la_core.geometry import Blocks, joint_areas, next_corners, owners
+from la_core.repair.facing import Facing, facing_faces
+from la_core.repair.repairs import Unclosed
+
+WIDER = 1.5  # over the greatest distance at which faces are brought together: a gap a little wider than that is seldom meant
+
+
+def unclosed(
+    names: Sequence[str], parts: Blocks, owner: np.ndarray, pairs: Facing, is_open: np.ndarray, tolerance: float
+) -> list[Unclosed]:
+    """The open ones of the pairs (L,) of faces whose joint would be longer than twice the tolerance (m), the widest gap first."""
+    widest = pairs.widest
+    blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
+    extent, ring = np.zeros(len(pairs)), owners(pairs.start)
+    centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
+    np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
+    open_pairs = np.flatnonzero(is_open & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))
+    order = open_pairs[np.argsort(-np.abs(pairs.gap[widest[open_pairs]]), kind="stable")]
+    return [
+        Unclosed(
+            (names[blocks[0][k]], names[blocks[1][k]]),
+            tuple(float(value) for value in pairs.middle[widest[k]]),  # type: ignore[arg-type]
+            float(pairs.gap[widest[k]]),
+        )
+        for k in order
+    ]
+
+
+def lost_joints(
+    names: Sequence[str], parts: Blocks, owner: np.ndarray, reach: np.ndarray, left: tuple[Blocks, np.ndarray], tolerance: float
+) -> Iterator[Unclosed]:
+    """Yield two blocks once where faces of them lay opposite each other, and they share much less area in the end.
+
+    Where a corner is cut, the cut may go on through the joint beside it; and faces may lie a little too far apart to be brought together.
+    Errors of the edges of a joint take a strip along them, no wider than the reach.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the blocks.
+    parts, owner : Blocks and (P,) array of int
+        Convex parts as drawn, and the block of each.
+    reach : (P,) array
+        Greatest distance at which faces of each part are brought together, m.
+    left : tuple of Blocks and (Q,) array of int
+        Convex parts after the repair, and the block of each.
+    tolerance : float
+        Largest error of the coordinates, m.
+    """
+    pairs = facing_faces(parts, owner, WIDER * reach)
+    if not len(pairs):
+        return
+    number = _numbers(owner[parts.face_block[np.stack([pairs.face_a, pairs.face_b], axis=1)]], len(names))
+    both, row = np.unique(number, return_inverse=True)
+    around = np.linalg.norm(pairs.middle[next_corners(pairs.start)] - pairs.middle, axis=1)
+    strip = reach.max() * np.bincount(row[owners(pairs.start)], around)
+    blocks, area = joint_areas(*left)
+    kept = np.zeros(len(both))
+    place = np.searchsorted(both, _numbers(blocks, len(names))).clip(max=len(both) - 1)
+    is_same = both[place] == _numbers(blocks, len(names))
+    np.add.at(kept, place[is_same], area[is_same])
+    is_lost = np.bincount(row, pairs.area) - kept > strip
+    told: set[frozenset[str]] = set()
+    for one in unclosed(names, parts, owner, pairs, is_lost[row], tolerance):
+        if frozenset(one.blocks) not in told:
+            told.add(frozenset(one.blocks))
+            yield one
+
+
+def _numbers(blocks: np.ndarray, count: int) -> np.ndarray:
+    """One number for each pair (N, 2) of `count` blocks, in either order."""
+    return np.asarray(np.sort(blocks, axis=1) @ np.array([count, 1]))
