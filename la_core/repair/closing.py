@@ -1,6 +1,6 @@
 """Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 
@@ -21,6 +21,7 @@ FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitte
 SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
 FAR = 1024.0  # m: a structure farther from the origin is repaired about one of its own
+NEARLY = 1.5  # over the depth of the shallowest cut: others are as good
 ROUNDS = 4  # a cut may uncover another overlap
 CLOSED = 1e-6  # m: a smaller gap was closed already
 
@@ -216,7 +217,7 @@ class _Drawn:
 
 
 def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, drawn: _Drawn, origin: np.ndarray) -> _Overlaps:
-    """Cut every part that overlaps another block, in place, along the face of the other that it passes least, also where faces moved."""
+    """Cut every part that overlaps another block, in place, along a face of the other one, also where faces moved."""
     found = _Overlaps()
     for _ in range(ROUNDS):
         parts = _gathered(names, pieces, owner)
@@ -247,22 +248,33 @@ def _gathered(names: Sequence[str], pieces: Sequence[Shape], owner: np.ndarray) 
 
 
 def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape, float]:
-    """The part to cut of two overlapping ones, its remainder, and how deep the cut is, m."""
-    height, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
-    faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
-    normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
-    offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
-    size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
-    rest = between(normal, offset, parts.centroid[cut], PLANE * size)
-    if rest is None:
-        raise _nothing_left(parts, cut, origin)
-    return cut, rest, -height
+    """The part to cut of two overlapping ones, its remainder, and how deep the cut is, m.
+
+    Of the cuts that are nearly as shallow as the shallowest, that which takes the least off is made: a long part that is cut along a face
+    of a short one, which is not quite level, may lose a joint beside it.
+    """
+    cuts = [*_cuts(parts, a, b), *_cuts(parts, b, a)]
+    shallow = NEARLY * max(height for height, _, _ in cuts)
+    found = []
+    for height, plane, cut in cuts:
+        if height < shallow:
+            continue
+        faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
+        normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
+        offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
+        rest = between(normal, offset, parts.centroid[cut], PLANE * float(np.linalg.norm(parts.high[cut] - parts.low[cut])))
+        if rest is not None:
+            left = Blocks.gather([""], ["fixed"], [1.0], [rest]).volume[0]
+            found.append((float(parts.volume[cut] - left), cut, rest, -height))
+    if not found:
+        raise _nothing_left(parts, max(cuts, key=lambda one: one[0])[2], origin)
+    return min(found, key=lambda one: one[0])[1:]
 
 
-def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:
-    """The face of part a that part b passes the least: how far (negative), the plane (4,), and b."""
+def _cuts(parts: Blocks, a: int, b: int) -> Iterator[tuple[float, np.ndarray, int]]:
+    """Cuts of part b along the faces of part a: how far b passes each face (negative), the plane (4,), and b."""
     faces = slice(parts.part_face_start[a], parts.part_face_start[a + 1])
     vertices = parts.vertices[parts.vertex_start[b] : parts.vertex_start[b + 1]]
-    height = (vertices @ parts.face_normal[faces].T - parts.face_offset[faces]).min(axis=0)
-    best = int(np.argmax(height))
-    return float(height[best]), np.append(parts.face_normal[faces][best], parts.face_offset[faces][best]), b
+    planes = np.column_stack([parts.face_normal[faces], parts.face_offset[faces]])
+    for height, plane in zip((vertices @ planes[:, :3].T - planes[:, 3]).min(axis=0).tolist(), planes, strict=True):
+        yield height, plane, b
