@@ -6,9 +6,10 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Unclosed:
-    """Two faces that lie opposite each other within the tolerance, but could not be brought onto one plane; or an overlap too deep to cut.
+    """A place that the repair leaves open, between two blocks.
 
-    Or two faces that were a little too far apart to be brought together, or lost most of their joint as a corner was cut.
+    Two faces lie opposite each other within the tolerance, but could not be brought onto one plane; or they were a little too far apart for
+    it; or they lost most of their joint as a corner was cut; or an overlap is too deep to cut.
 
     Attributes
     ----------
