@@ -43,21 +43,8 @@ WORDS = {  # patterns for one word of a layer's or a body's name, for each list;
     ),
 }
 OF_STONE = (  # patterns for words for stones: the jambs of a window are no opening
-    *(
-        "jamb*",
-        "surround*",
-        "voussoir*",
-        "lintel*",
-        "sill*",
-        "arch",
-        "arches",
-        "quoin*",
-        "reveal*",
-        "stone*",
-        "block*",
-        "brick*",
-        "masonry",
-    ),
+    *("jamb*", "surround*", "voussoir*", "lintel*", "sill*", "arch", "arches", "quoin*", "reveal*"),
+    *("stone*", "block*", "brick*", "masonry"),
     *("*stein*", "*ziegel*", "*gewände*", "*sturz*", "architrav*", "stipit*", "dintel*", "jamba*", "linteau*", "pierre*", "piédroit*"),
     *("jambage*", "claveau*"),
 )
@@ -97,6 +84,24 @@ def scene_from_file(source: Path, folder: Path) -> str:
 
 
 def _drawing_text(source: Path, place: PurePosixPath) -> str:
+    unit, doubt, drawn, clean, lists = _in_a_likely_unit(source)
+    if not clean.outlines:
+        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn))
+    joints, held = _joint_width(clean), lists["ground"] + lists["support"]
+    blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
+    rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
+    rows.append(f'unit      = "{unit}"{doubt}' if unit else f"# one unit of the file is {drawn.unit:g} m{doubt}")
+    rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
+    rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
+    rows += _of_layers(drawn, clean, lists, [*_left_out(drawn, clean, blocks), *_turned(blocks)])
+    low, high, shifted = _near_the_origin(np.concatenate([outline.points for outline in blocks] or [np.zeros((1, 2))]), "shift    ")
+    rows += shifted
+    base = [] if held else _base((low[0], 0.0), (high[0], THICKNESS), float(low[1]) - joints / 2.0)
+    return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
+
+
+def _in_a_likely_unit(source: Path) -> tuple[str, str, Drawn, Cleaned, dict[str, list[str]]]:
+    """Unit of a drawing ("" for one without a name), a comment on it, and the rest as `_read` gives it; raises SceneError."""
     content = _content(source)
     if source.suffix.lower() == ".dxf" and importlib.util.find_spec("ezdxf") is None:
         raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
@@ -110,35 +115,24 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
             drawn, clean, lists = _read(source.suffix, content, unit)
     except ValueError as error:
         raise SceneError(str(source), str(error)) from error
-    if not clean.outlines:
-        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn))
+    return unit, doubt or _doubt(clean), drawn, clean, lists
+
+
+def _of_layers(drawn: Drawn, clean: Cleaned, lists: dict[str, list[str]], remarked: list[str]) -> list[str]:
+    """Lists of layers and comments on them. remarked: comments on the outlines, which stand between."""
     layers = sorted({layer for layer, _ in drawn.places} - set(lists["ignore"]))
     counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers}
     counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
-    joints = _joint_width(clean)
-    blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
-    points = np.concatenate([outline.points for outline in blocks] or [np.zeros((1, 2))])
-    rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
-    doubt = doubt or _doubt(clean)
-    rows.append(f'unit      = "{unit}"{doubt}' if unit else f"# one unit of the file is {drawn.unit:g} m{doubt}")
-    rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
-    rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
-    rows.append(f"# closed outlines on each layer: {counted}")
+    rows = [f"# closed outlines on each layer: {counted}"]
     rows += [f"{key:9} = {_array(names)}   # CHECK: {MEANING[key]}; guessed from the name" for key, names in lists.items() if names]
-    rows += _left_out(drawn, clean, blocks) + _turned(blocks)
+    rows += remarked
     if lists["support"] and not lists["ground"]:
         rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")
     held = lists["ground"] + lists["support"]
     built = sorted((layer for layer in counts if layer not in lists["openings"]), key=lambda layer: (layer in held, -counts[layer]))
     if len(built := [layer for layer in built if counts[layer]]) > 1 and built[0] not in held:
         rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in built[:2]])}")
-    low, high = points.min(axis=0), points.max(axis=0)
-    if np.abs(points).max() > FARTHEST:  # as in the grid of a country
-        shift = -np.round(low)
-        low, high = low + shift, high + shift
-        rows.append(_shift_row("shift    ", shift))
-    base = [] if held else _base((low[0], 0.0), (high[0], THICKNESS), float(low[1]) - joints / 2.0)
-    return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
+    return rows
 
 
 def _read(suffix: str, content: bytes, unit: str) -> tuple[Drawn, Cleaned, dict[str, list[str]]]:
@@ -243,17 +237,20 @@ def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     rows.append("# turn = { axis = [1, 0, 0], degrees = 90 }   # where y is up in the file")
     rows += [f"{key} = {_array(lists[name])}" for key, name in (("fixed", "ground"), ("support", "support")) if lists[name]]
     held = lists["ground"] or lists["support"] or any(body.role != "free" for body in bodies)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    if max(np.abs(low).max(), np.abs(high).max()) > FARTHEST:
-        shift = -np.round(low)
-        low, high = low + shift, high + shift
-        rows.append(_shift_row("shift", shift))
+    low, high, shifted = _near_the_origin(vertices, "shift")
+    rows += shifted
     base = [] if held else _base((low[0], low[1]), (high[0], high[1]), float(low[2]))
     return _text(place.name, rows, base, has_support=bool(lists["support"]) or not held)
 
 
-def _shift_row(key: str, shift: np.ndarray) -> str:
-    return f"{key} = [{', '.join(f'{part:.0f}' for part in shift)}]   # m, from the grid of the survey to the origin"
+def _near_the_origin(points: np.ndarray, key: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Least and greatest coordinates of points, m. Those in a country's grid are shifted to the origin, which a row with this key says."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    if np.abs(points).max() <= FARTHEST:
+        return low, high, []
+    shift = -np.round(low)
+    row = f"{key} = [{', '.join(f'{part:.0f}' for part in shift)}]   # m, from the grid of the survey to the origin"
+    return low + shift, high + shift, [row]
 
 
 def _base(low: tuple[float, float], high: tuple[float, float], top: float) -> list[str]:
