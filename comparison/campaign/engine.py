@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, Self
+from typing import Any, Protocol, Self
 
 from comparison.campaign import table
 from comparison.campaign.cases import Case, CaseRun, axes
@@ -187,24 +187,10 @@ def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, beg
 
     outcomes: by the name of the run. engine: its name. began: start of the run on the monotonic clock (s).
     """
-    keys, rows, costs = campaign.definition.keys, [], []
-    blank = dict.fromkeys(result_columns(keys))
-    for case in campaign.cases:
-        outcome = outcomes.get(case.run.name)
-        if outcome is None:
-            continue
-        classic = outcome["classic"].get(case.name, {})
-        row = (
-            blank
-            | {"case": case.name, "sweep": case.sweep, "scene": case.run.path.stem}
-            | case.values
-            | {"state": outcome["state"]}
-            | outcome["answers"]
-        )
-        row |= {"classic": classic.get("value"), "classic_status": classic.get("status"), "classic_iterations": classic.get("iterations")}
-        rows.append(row | {"folder": f"{CASES}/{case.run.name}"})
-        classic_costs = {"classic_seconds": classic.get("seconds"), "classic_iterations": classic.get("iterations")}
-        costs.append({"case": case.name} | outcome["costs"] | classic_costs)
+    blank = dict.fromkeys(result_columns(campaign.definition.keys))
+    ended = [(case, outcome) for case in campaign.cases if (outcome := outcomes.get(case.run.name)) is not None]
+    rows = [blank | _row_of(case, outcome) for case, outcome in ended]
+    costs = [_costs_of(case, outcome) for case, outcome in ended]
     provenance = {
         "file": campaign.definition.path.name,
         "yade": campaign.yade,
@@ -218,3 +204,23 @@ def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, beg
     return table.CampaignTable(
         campaign.definition.title, varied, rows, costs, provenance, campaign.folder, dict(campaign.definition.file.labels)
     )
+
+
+def _row_of(case: Case, outcome: JobOutcome) -> dict[str, Any]:
+    """Return the row of a case in results.csv, without the columns that it leaves empty."""
+    classic = outcome["classic"].get(case.name, {})
+    return (
+        {"case": case.name, "sweep": case.sweep, "scene": case.run.path.stem}
+        | case.values
+        | {"state": outcome["state"]}
+        | outcome["answers"]
+        | {"classic": classic.get("value"), "classic_status": classic.get("status"), "classic_iterations": classic.get("iterations")}
+        | {"folder": f"{CASES}/{case.run.name}"}
+    )
+
+
+def _costs_of(case: Case, outcome: JobOutcome) -> dict[str, Any]:
+    """Return the row of a case in costs.csv."""
+    classic = outcome["classic"].get(case.name, {})
+    classic_costs = {"classic_seconds": classic.get("seconds"), "classic_iterations": classic.get("iterations")}
+    return {"case": case.name} | outcome["costs"] | classic_costs

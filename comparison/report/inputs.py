@@ -104,22 +104,7 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
     if facts.get("tilt"):
         yield "tilt of the ground, right-handed", f"about {_vector(facts['tilt'])}"
     if facts.get("motion"):
-        velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
-        if np.any(spin):
-            nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
-            yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_point(nearest)} m"
-        else:
-            yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
-        for own in facts.get("motions") or ():
-            turn = f", angular {_vector(own['spin'])}" if any(own["spin"]) else ""
-            yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
-        support = facts.get("support") or {}
-        if support:
-            places = (
-                f"{axis} {coordinate_text(a)} to {coordinate_text(b)} m"
-                for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
-            )
-            yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
+        yield from _support(facts)
     if exists(yade.get("settlement")):
         imposed = f"{'rotation' if unit == 'rad' else 'settlement'} imposed in YADE"
         yield "mean displacement along the load in YADE" if facts.get("live") else imposed, units.text(yade["settlement"], unit, 4)
@@ -129,6 +114,26 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         yield f"largest {moved} (travel)", units.text(joints.get("travel"), unit, 4)
     if exists(facts.get("accuracy")):
         yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
+
+
+def _support(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield how the support moves, which of its blocks move otherwise, and where it is: facts of a scene with a settlement."""
+    velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
+    if np.any(spin):
+        nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
+        yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_point(nearest)} m"
+    else:
+        yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
+    for own in facts.get("motions") or ():
+        turn = f", angular {_vector(own['spin'])}" if any(own["spin"]) else ""
+        yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
+    support = facts.get("support") or {}
+    if support:
+        places = (
+            f"{axis} {coordinate_text(a)} to {coordinate_text(b)} m"
+            for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
+        )
+        yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
 
 
 def _stiffness(joints: dict[str, Any], settings: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:

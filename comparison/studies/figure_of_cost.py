@@ -22,9 +22,9 @@ PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, fric
 
 @own_style()
 def cost_figure(ladder: CostStudy) -> Figure:
-    """Draw every rung as a mark of its method, a thin line from there to the uncertainty that it states, and the Pareto fronts as lines.
+    """Draw every rung as a mark of its method, and the Pareto fronts as dashed lines.
 
-    Letters name the rungs of the fronts below.
+    A thin line leads from a mark to the uncertainty that the rung states. Letters name the rungs of the fronts below.
     """
     figure = Figure(figsize=(15.0, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -51,6 +51,18 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
         return []
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
+    _draw_rungs(axes, rungs)
+    named = _draw_fronts(axes, rungs)
+    low, high = (bound(rung.total for rung in rungs) for bound in (min, max))
+    middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
+    axes.set_xlim(middle / half, middle * half)
+    axes.margins(y=0.1)
+    axes.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)  # beside the marks, of which it hides none
+    return named
+
+
+def _draw_rungs(axes: Any, rungs: list[CostPoint]) -> None:
+    """Draw the rungs as marks of their methods, with lines to the uncertainties that they state."""
     families = list(dict.fromkeys(rung.family for rung in rungs))
     own = [family for family in families if method_colour(family) != method_colour("YADE")]
     for family in families:
@@ -62,6 +74,10 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
         at, stated = [rung.total for rung in stating], [_stated(rung) for rung in stating]
         axes.vlines(at, [_height(rung) for rung in stating], stated, color=FAINT, linewidth=0.9, zorder=1)
         axes.plot(at, stated, color=INK, linestyle="none", marker="_", markersize=8, label="stated uncertainty")
+
+
+def _draw_fronts(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
+    """Draw the Pareto fronts of all rungs and of YADE alone; return their rungs with their letters."""
     named: list[tuple[str, CostPoint]] = []
     by_yade = [rung for rung in rungs if rung.family == "YADE"]
     for candidates, colour, label in ((rungs, INK, "Pareto front"), (by_yade, method_colour("YADE"), "Pareto front of YADE alone")):
@@ -72,11 +88,6 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
         named += [(chr(ord("a") + len(named) + k), rung) for k, rung in enumerate(new)]
     for letter, rung in named:
         axes.annotate(letter, (rung.total, _height(rung)), xytext=(5, 5), textcoords="offset points", fontsize=9, weight="bold")
-    low, high = (bound(rung.total for rung in rungs) for bound in (min, max))
-    middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
-    axes.set_xlim(middle / half, middle * half)
-    axes.margins(y=0.1)
-    axes.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)  # beside the marks, of which it hides none
     return named
 
 
