@@ -16,6 +16,7 @@ NEARLY_ZERO = "≈ 0"
 LEAST_SHARE = 1e-3  # per cent: a smaller difference is as good as none
 A_POINT = "a point"
 DASH = "–"  # stands for an undefined number
+SAME_STIFFNESS = 1e-9  # of a stiffness: two that differ by less are the same
 SMALL = 100.0  # N: structures that weigh less are reported in N, all others in kN
 
 

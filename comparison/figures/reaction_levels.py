@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comparison.numbers import POINT, force_unit, format_number
+from comparison.numbers import POINT, SAME_STIFFNESS, force_unit, format_number
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import is_changed_by_release
@@ -14,7 +14,6 @@ from la_core.limit import Drive, Solution, Status
 from la_core.text_table import without_round_off
 
 NEAR = 2.5  # times the range of all other values: a greatest reaction or an interval's end beyond is written, not drawn
-ROUND_OFF = 1e-9  # of a stiffness
 PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
 
 
@@ -114,7 +113,7 @@ def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
 def at_joints_of_yade(results: Results) -> str:
     """Return the end of the name of a curve that is drawn at the settlement of YADE's joints; "" where they are as stiff or unknown."""
     times = results.stiffening
-    if math.isnan(times) or math.isclose(times, 1.0, rel_tol=ROUND_OFF):
+    if math.isnan(times) or math.isclose(times, 1.0, rel_tol=SAME_STIFFNESS):
         return ""
     scene = results.scene
     motion = "displacement" if scene.live is not None else "rotation" if scene.is_rotation else "settlement"

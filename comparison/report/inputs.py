@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, class_words, format_number, plural
+from comparison.numbers import SAME_STIFFNESS, Units, class_words, format_number, plural
 from comparison.report.templating import flat
-from comparison.report.values import ROUND_OFF
 from la_core.exchange import setting_unit
 from la_core.scene import given_keys
 from la_core.text_table import coordinate_text, exists
@@ -143,7 +142,7 @@ def _stiffness(joints: dict[str, Any], settings: dict[str, Any], units: Units) -
         text = units.text(own, "N/m", 4)
         if not exists(of_yade):
             yield f"{row}, limit analysis", text
-        elif exists(own) and math.isclose(own, of_yade, rel_tol=ROUND_OFF):
+        elif exists(own) and math.isclose(own, of_yade, rel_tol=SAME_STIFFNESS):
             yield f"{row}, both methods", text
         else:
             times = f", {format_number(of_yade / own, 3)} times that of limit analysis" if exists(own) and own else ""

@@ -6,6 +6,7 @@ from typing import Any
 
 from comparison.numbers import (
     DASH,
+    SAME_STIFFNESS,
     Units,
     exists,
     format_number,
@@ -29,7 +30,6 @@ MEANINGS = {  # what the values are, by their unit
     f"these contact points lies above the associated one; {_STONE}",
 }
 NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `stated_interval` withholds one
-ROUND_OFF = 1e-9  # of a stiffness
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 
 
@@ -41,7 +41,7 @@ def associated_of(comparison: dict[str, Any]) -> dict[str, Any]:
 def stiffening_of(comparison: dict[str, Any]) -> float:
     """Return the stiffness of YADE's joints over that of limit analysis; 1 where they are equal or one is unknown."""
     own, of_yade = (comparison.get("joints") or {}).get("normal"), (comparison.get("settings") or {}).get("normal_stiffness")
-    if not (exists(own) and own and exists(of_yade)) or math.isclose(own, of_yade, rel_tol=ROUND_OFF):
+    if not (exists(own) and own and exists(of_yade)) or math.isclose(own, of_yade, rel_tol=SAME_STIFFNESS):
         return 1.0
     return of_yade / own
 

@@ -215,7 +215,6 @@ PEAK_FIELDS = _below(
     (("peak", "f8", (2,), "-", "greatest multiplier on the way to the plateau, and its stated uncertainty"),),
 )
 
-# Not in the files of version 0.2.0.
 UNCERTAINTY_PARTS = (
     Field("result/uncertainty_scatter", "f8", (), "N or N m", "part of the uncertainty: noise of the record"),
     Field("result/uncertainty_fit", "f8", (), "N or N m", "part of the uncertainty: line through the plateau, or its level"),
@@ -223,7 +222,7 @@ UNCERTAINTY_PARTS = (
     Field("result/uncertainty_stiffness", "f8", (), "N or N m", "part of the uncertainty: strain of the joints, and settings"),
 )
 DAMPED_ENERGY = Field("record/damped_energy", "f8", ("T",), "J", "energy that the damping of the blocks' swing has taken so far")
-LATER_RUN_FIELDS = (*UNCERTAINTY_PARTS, DAMPED_ENERGY)  # runs of version 0.2.0 do not have these
+LATER_RUN_FIELDS = (*UNCERTAINTY_PARTS, DAMPED_ENERGY)  # files of version 0.2.0 do not have these
 # Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
 RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
