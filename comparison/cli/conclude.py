@@ -37,25 +37,32 @@ def conclude(
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
         page = write_report(folder, comparisons, describe(), head, unread)
         if not as_json:
-            for comparison in comparisons:
-                if comparison["verdict"] == Verdict.CANNOT_STAND:
-                    context.tell(f"{comparison['scene']} cannot stand. {comparison['reason']}")
-            context.table(tables.verdict_table(comparisons), tables.VERDICT_CAN_GO)
-            if any(comparison.get("accuracy") for comparison in comparisons):
-                context.table(tables.accuracy_table(comparisons))
-            for comparison in comparisons:
-                if first := comparison.get("first_prediction"):
-                    context.tell(f"{comparison['scene']}: {first['sentence']}")
-                for words in lines_below(comparison, comparison["scene"] in again):
-                    context.tell(f"{comparison['scene']}: {words}")
+            _print_verdicts(comparisons, again, context)
             out.print(f"report: {os.path.relpath(page)}", markup=False)
         if getattr(context.options, "pdf", False):
-            context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
+            pdf = write_pdf(page)
+            if not as_json:
+                out.print(f"report: {os.path.relpath(pdf)}", markup=False)
         deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
         codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=SEVERITY.index, default=AGREE)
+
+
+def _print_verdicts(comparisons: list[dict[str, Any]], again: set[str], context: Context) -> None:
+    """Print the tables of one report, and what is said of its scenes. again: names of scenes that a second attempt follows."""
+    for comparison in comparisons:
+        if comparison["verdict"] == Verdict.CANNOT_STAND:
+            context.tell(f"{comparison['scene']} cannot stand. {comparison['reason']}")
+    context.table(tables.verdict_table(comparisons), tables.VERDICT_CAN_GO)
+    if any(comparison.get("accuracy") for comparison in comparisons):
+        context.table(tables.accuracy_table(comparisons))
+    for comparison in comparisons:
+        if first := comparison.get("first_prediction"):
+            context.tell(f"{comparison['scene']}: {first['sentence']}")
+        for words in lines_below(comparison, comparison["scene"] in again):
+            context.tell(f"{comparison['scene']}: {words}")
 
 
 def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context) -> dict[str, str]:

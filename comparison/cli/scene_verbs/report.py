@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
@@ -44,12 +44,7 @@ def execute(context: Context) -> int:
                 left_out.setdefault(folder, []).append(closed.name)
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases and folder not in left_out:
-                if (folder / DEFINITION).is_file():
-                    _refuse_a_running_campaign(folder)
-                    ended = "holds a campaign that was ended before its first table"
-                    raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
-                hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
-                raise SceneError(str(folder), "holds no results of `crosscheck run`", hint=hint)
+                _refuse_without_results(folder)
             comparisons = []
             for case in cases:
                 try:
@@ -59,6 +54,16 @@ def execute(context: Context) -> int:
                     left_out.setdefault(folder, []).append(case.name)
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
+
+
+def _refuse_without_results(folder: Path) -> NoReturn:
+    """Raise an error that says what a folder without results of `crosscheck run` is, and what to do."""
+    if (folder / DEFINITION).is_file():
+        _refuse_a_running_campaign(folder)
+        ended = "holds a campaign that was ended before its first table"
+        raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
+    hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
+    raise SceneError(str(folder), "holds no results of `crosscheck run`", hint=hint)
 
 
 def _refuse_a_running_campaign(folder: Path) -> None:

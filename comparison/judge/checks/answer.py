@@ -42,24 +42,31 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
         (f"expected associated {scene.quantity}", associated, main),
         ("expected greatest reaction", expected.reaction_max_over_weight, greatest),
     )
-    over_weight = "m (R/W)" if scene.is_rotation else "of W"  # a turning support's reaction is a moment
-    divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, over_weight)
     for name, number, solution in comparisons:
         if number is not None and solution is not None:
-            solved = solution.status is Status.SOLVED
-            computed = solution.value / divisor if solved else math.nan
             tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
-            rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
-            edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
-            reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
-            check = within(name, computed, number, tolerance, unit, reason, _likely_slip(analysis, solution, number, tolerance))
-            if not solved:
-                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
-                if _fell(solution) and solution is not analysis.coulomb:  # of which `check_answer` says it
-                    unknown += f" {FELL[0].upper()}{FELL[1:]}."
-                check = replace(check, reason=unknown, next_step=_step_without_value(analysis, solution))
+            check = _of_value(name, analysis, solution, number, tolerance)
             verdict = OF_ONE_METHOD.get(check.verdict, check.verdict)
             yield replace(check, verdict=verdict, yade=None)  # the number compared is the scene's own, and the report names it as such
+
+
+def _of_value(name: str, analysis: LimitAnalysis, solution: Solution | CoulombSolution, number: float, tolerance: float) -> Check:
+    """Return the check of one answer against the number that the scene expects; number and tolerance over the weight, or multipliers."""
+    scene = analysis.scene
+    over_weight = "m (R/W)" if scene.is_rotation else "of W"  # a turning support's reaction is a moment
+    divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, over_weight)
+    solved = solution.status is Status.SOLVED
+    computed = solution.value / divisor if solved else math.nan
+    rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
+    edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
+    reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
+    check = within(name, computed, number, tolerance, unit, reason, _likely_slip(analysis, solution, number, tolerance))
+    if solved:
+        return check
+    unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
+    if _fell(solution) and solution is not analysis.coulomb:  # of which `check_answer` says it
+        unknown += f" {FELL[0].upper()}{FELL[1:]}."
+    return replace(check, reason=unknown, next_step=_step_without_value(analysis, solution))
 
 
 def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, number: float, tolerance: float) -> str:
