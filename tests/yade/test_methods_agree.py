@@ -10,7 +10,7 @@ import scenes
 from conftest import CrossChecked, Silent
 
 import la_core
-from comparison.judge import FLOOR
+from comparison.judge import FLOOR, UNCERTAIN
 from comparison.judge.checks.friction_state import STEADY
 from comparison.judge.checks.mechanisms import SIMILAR
 from comparison.workflow import run_scene
@@ -56,7 +56,7 @@ def test_yade_meets_the_coulomb_prediction_where_it_is_steady_and_its_interval_a
     if found.run.scatter() <= STEADY:
         assert abs(reaction - coulomb.value) <= HISTORY * max(abs(coulomb.value), 1e-2 * found.scene.weight)
     apart = abs(reaction - coulomb.value) > FLOOR * abs(reaction)  # the floor counts however much a method states
-    unsure = coulomb.uncertainty > 1e-2 * abs(coulomb.value) and apart
+    unsure = coulomb.uncertainty > UNCERTAIN * abs(coulomb.value) and apart
     assert found.summary["verdict"] == ("inconclusive" if unsure else "agree"), found.summary["reason"]
 
 

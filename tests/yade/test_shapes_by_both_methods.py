@@ -8,13 +8,13 @@ import rubble_walls as rubble
 import scenes
 import wall_drawings
 
+from comparison.judge import FLOOR
 from comparison.result import Result, run
 from comparison.verdict import Verdict
 from la_core.scene import Scene, build
 
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
-FLOOR = 5e-3  # of the reaction: difference that the judge allows beside both stated uncertainties
 # Seeds of walls in which no stone hangs on a short joint. In YADE the first one flutters, and one has a corner of 51 degrees, which a
 # sphere as large as elsewhere would look out of.
 RUBBLE = (1, 4, 6, 7, 8)
