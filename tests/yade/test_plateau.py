@@ -59,6 +59,20 @@ def test_a_plateau_is_left_where_the_reaction_falls_away_and_not_where_it_stays(
     assert not best.is_left(fitted(s, falls + noise, STIFF), 2.0 * REACTION)  # whatever it is, so much does no harm
 
 
+@pytest.mark.parametrize(("uncertainty", "enough", "is_left"), [(2.0, 0.0, False), (4.0, 0.0, True), (4.0, 5.0, False)])
+def test_a_plateau_is_left_where_its_uncertainty_more_than_trebles_and_is_no_longer_small(
+    uncertainty: float, enough: float, is_left: bool
+) -> None:
+    best = plateau.fit(np.linspace(0.0, 1.0, 50), np.full(50, 100.0), plateau.Geometry(0.0, 1.0))
+    earlier = plateau.Earlier(replace(best, uncertainty=1.0), (50, 5), 1.0)
+    assert earlier.is_left(replace(best, uncertainty=uncertainty), enough) is is_left
+
+
+def test_the_parts_of_an_uncertainty_add_up_and_an_unknown_one_does_not_count() -> None:
+    assert plateau.Outcome(100.0, 1.0, 2.0, 4.0, 8.0).uncertainty == 15.0
+    assert plateau.Outcome(100.0, 1.0, 2.0, 4.0).uncertainty == 7.0
+
+
 def test_exact_line_is_recovered() -> None:
     s = settlement()
     fit = fitted(s, REACTION + SLOPE * s)

@@ -18,12 +18,14 @@ def turned(spin: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_way_of_each_point_over_its_face() -> None:
-    """Two blocks in any motion: the second derivative by differences, in the frame of the face that turns."""
+    """Two blocks in any motion, on the way already: the second derivative by differences, in the frame of the face that turns."""
     draw = np.random.default_rng(7)
-    centroid, velocity, spin, position, before, after = draw.standard_normal((6, 2, 3))
-    travel, step = 0.5, 1e-4
-    zeros = np.zeros((2, 3))
-    states = plateau.Pose(0.0, zeros, zeros, before), plateau.Pose(travel, travel * velocity, travel * spin, after)
+    centroid, velocity, spin, position, before, after, moved, leaning = draw.standard_normal((8, 2, 3))
+    begun, travel, step = 0.3, 0.5, 1e-4
+    states = (
+        plateau.Pose(begun, moved, leaning, before),
+        plateau.Pose(begun + travel, moved + travel * velocity, leaning + travel * spin, after),
+    )
     for host in (np.array([0, 1]), np.array([1, 0])):
         target, curvature = 1 - host, np.zeros((2, 3))
         for point, (h, t) in enumerate(zip(host, target, strict=True)):
@@ -52,7 +54,7 @@ def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_liv
     masses = {"mass": np.array([0.0, 40.0, 60.0]), "free": np.array([1, 2]), "gravity": np.array([0.0, 0.0, -10.0])}
     one: Any = SimpleNamespace(live=live, live_load=np.zeros((3, 6)), weight=5000.0, block_size=0.4, support_speed=5.0, **masses)
     moved = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -8e-4]])
-    first, last = (plateau.Pose(settlement, settlement / 2e-4 * moved, moved, moved) for settlement in (0.0, 2e-4))
+    first, last = (plateau.Pose(settlement, settlement / 2e-4 * moved, moved, moved) for settlement in (1e-4, 3e-4))
     found = plateau.geometry_of(one, first, last)
     assert (found.slope, found.turning, found.lever) == pytest.approx((slope, abs(slope) * 5.0 / 3.0, lever))
     assert plateau.largest_speed(first, last._replace(settlement=8e-3)) == 1.0  # at least that of the load
