@@ -1,6 +1,7 @@
 """Answers in Python are those of the command line, and hand out, show and draw what they hold."""
 
 import dataclasses
+import operator
 import sys
 from pathlib import Path
 
@@ -71,6 +72,15 @@ def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
         la_core.variant(pads, {3: 1})  # type: ignore[dict-item]
     with pytest.raises(la_core.SceneError, match="greater than or equal to 0"):
         la_core.variant(pads, {"yade.speed": -1.0})
+
+
+def test_the_parts_of_answers_are_told_apart_too() -> None:
+    """Arrays have no single truth: a comparison of parts that hold some raised an error of NumPy, and none had a place in a set."""
+    one, other = (la_core.solve("two_pads", path=True).analysis for _ in range(2))
+    assert one != other and len({one, other}) == 2
+    for of in ["scene.blocks", "scene.loads", "whole", "whole.interfaces", "whole.points", "at_inset", "main_answer", "coulomb", "path"]:
+        part, alike = (operator.attrgetter(of)(analysis) for analysis in (one, other))
+        assert part != alike and len({part, alike}) == 2, of
 
 
 def test_an_answer_hands_out_mechanism_forces_joints_and_path() -> None:

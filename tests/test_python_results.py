@@ -130,6 +130,13 @@ def test_a_record_of_yade_cannot_be_changed(same: Callable[[Any], Any]) -> None:
             array[...] = 0.0
 
 
+def test_records_of_yade_are_told_apart() -> None:
+    analysis = la_core.solve("two_pads").analysis
+    one, other = synthetic_run(analysis), synthetic_run(analysis)
+    for part, alike in ((one, other), (one.record, other.record), (one.poses, other.poses)):
+        assert part != alike and len({part, alike}) == 2
+
+
 def test_the_folder_of_a_whole_run_is_told_apart_from_that_of_one_scene(any_result: comparison.Result) -> None:
     with pytest.raises(ExchangeError, match="holds no results of `crosscheck run`; name the folder of one of its scenes: two_pads"):
         comparison.read(any_result.folder.parent)

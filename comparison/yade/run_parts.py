@@ -105,7 +105,7 @@ class RunResult(_Named):
     uncertainty_stiffness: float = NAN
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RunSeries(_Series):
     """Series recorded over time, in T rows.
 
@@ -142,7 +142,7 @@ class RunSeries(_Series):
         return len(self.stage)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Poses(_Series):
     """The P stored states of B blocks and C contact points; the first state is at rest under gravity.
 

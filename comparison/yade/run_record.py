@@ -14,7 +14,7 @@ from la_core.model import Assembly
 from la_core.text_table import dataframe
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Run:
     """YADE's record of a run, read from `run.h5`; undefined numbers are NaN.
 

@@ -78,7 +78,7 @@ def record_from_text(text: str) -> AccuracyRecord | None:
     return AccuracyRecord(stored["asked"], settings=stored["settings"], **attempts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Answers(Held):
     """Bounds and prediction at one inset.
 
@@ -113,7 +113,7 @@ class Answers(Held):
         return locks and self.coulomb is not None and self.coulomb.status is Status.SOLVED
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LimitAnalysis(Held):
     """Complete results of limit analysis, with the scene and the model that they belong to.
 

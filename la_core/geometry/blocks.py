@@ -15,7 +15,7 @@ from la_core.geometry.shapes import Shape
 ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Blocks:
     """All B blocks of a structure as flat arrays (see `la_core.exchange` for the layout); SI units.
 

@@ -28,7 +28,7 @@ class ContactState(enum.IntEnum):
     OPENING = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MechanismMeasures:
     """Measures of one mechanism. Undefined numbers are NaN, also the counts where the mechanism is undefined.
 

@@ -14,7 +14,7 @@ CHAIN = 2.0 / 3.0  # of the free blocks: where as many have two joints only, the
 SHORTEST = 3  # blocks of such a chain
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointForces:
     """Resultant forces of the I interfaces.
 
@@ -64,7 +64,7 @@ def ground_reactions(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     return np.where(assembly.blocks.free[:, None], 0.0, reaction)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointMotion:
     """Motion of block b against block a in the I interfaces, per unit motion of the drive.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PointForces:
     """N constant forces on blocks as flat arrays; they keep direction and lever arm as the blocks move.
 
