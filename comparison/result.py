@@ -294,5 +294,6 @@ def _results_of(what: Answer | Result) -> Results:
 
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:
-    results = read_results(folder, interfaces)
-    return Result(folder.absolute(), summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)
+    place = folder.absolute()  # variants of its scene find their meshes there wherever the program goes
+    results = read_results(place, interfaces)
+    return Result(place, summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)

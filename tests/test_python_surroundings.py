@@ -63,3 +63,16 @@ def test_results_stay_those_of_their_folder_wherever_the_program_goes(tmp_path: 
     assert comparison.read_campaign("cases").folder == campaign.folder == tmp_path / "there" / "cases"
     with pytest.raises(ValueError, match="must lie in one folder"):
         made["here"].report(made["there"])
+
+
+def test_variants_of_the_scene_of_a_result_find_its_meshes_wherever_the_program_goes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ran = comparison.run("rubble_wall", "runs", yade=False, quiet=True)
+    read = comparison.read("runs/rubble_wall")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir("elsewhere")
+    for scene in (ran.scene, read.scene):
+        assert scene.path == tmp_path / "runs" / "rubble_wall" / "scene.toml"
+        assert len(la_core.variant(scene, {"joint.friction": 0.5}).blocks) == len(scene.blocks)
