@@ -172,7 +172,7 @@ def run_campaign(
     SceneError
         The campaign or one of its cases is invalid.
     comparison.errors.FolderInUseError
-        Another process works in the folder.
+        Another process or thread works in the folder.
     """
     if getattr(multiprocessing.current_process(), "_inheriting", False):  # set while a worker process loads the user's script
         raise SceneError(

@@ -15,7 +15,7 @@ from la_core.exchange import ExchangeError
 
 
 class FolderInUseError(Exception):
-    """Another process is working in a run's folder."""
+    """Another process or thread is working in a run's folder."""
 
 
 class YadeMissingError(Exception):

@@ -174,7 +174,7 @@ def run(
     SceneError
         The scene or an argument is invalid.
     comparison.errors.FolderInUseError
-        Another process works in the scene's folder.
+        Another process or thread works in the scene's folder.
 
     Examples
     --------
@@ -211,7 +211,7 @@ def read(folder: Path | str) -> Result:
     la_core.exchange.ExchangeError
         The folder holds no results, or a file in it is damaged.
     comparison.errors.FolderInUseError
-        Another process works in the folder.
+        Another process or thread works in the folder.
 
     Examples
     --------

@@ -28,15 +28,16 @@ HEAD = ("title", "project", "author", "date")  # words of a report's head, which
 DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on
 OF_CAMPAIGN = (DEFINITION, "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
+RENAMED = "rename the file, or in Python choose another `name`"
 _UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished files, from `la_core.exchange.checksummed_file`
 
 
 def refuse_name(scene: Scene) -> None:
     """Raise SceneError for a scene whose name cannot name a folder of results."""
     if scene.name in ("", ".", "..", *REPORTS) or "/" in scene.name:
-        raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
+        raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint=RENAMED)
     if len(scene.name.encode()) > LONGEST_NAME:
-        raise SceneError(str(scene.path), f"its name is longer than the {LONGEST_NAME} bytes of a folder's name", hint="rename it")
+        raise SceneError(str(scene.path), f"its name is longer than the {LONGEST_NAME} bytes of a folder's name", hint=RENAMED)
 
 
 def refuse_names(scenes: Iterable[Scene]) -> None:
@@ -86,7 +87,8 @@ def alone_in(folder: Path) -> Iterator[None]:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise FolderInUseError(
-                f"{folder}: the folder is in use by another crosscheck process; wait, or choose another folder with -o"
+                f"{folder}: the folder is in use by another crosscheck process or thread; "
+                "wait, or choose another folder (-o, in Python `folder`)"
             ) from error
         _take_away_unfinished(folder, WRITTEN)
         yield

@@ -18,7 +18,9 @@ from PIL import Image
 
 import comparison
 import la_core
+from comparison.errors import FolderInUseError
 from comparison.figures import report_figures
+from comparison.run_folder import alone_in
 from comparison.studies import whole_studies
 from comparison.studies.cost_limit_analysis import limit_analysis_methods
 from comparison.verdict import Check, Checks
@@ -65,9 +67,15 @@ def test_a_wrong_argument_is_named_with_its_rule(
 @pytest.mark.parametrize("name", ["", ".", "..", "a/b"])
 def test_a_scene_whose_name_cannot_name_a_folder_is_not_run(name: str, tmp_path: Path) -> None:
     nameless = la_core.build(tomllib.loads(la_core.load("two_pads").text), name)
-    with pytest.raises(la_core.SceneError, match="cannot name a folder of results"):
+    with pytest.raises(la_core.SceneError, match=r"cannot name a folder of results; .* in Python choose another `name`"):
         comparison.run(nameless, tmp_path / "out", yade=False, quiet=True)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_in_use_is_told_with_the_argument_that_chooses_another(tmp_path: Path) -> None:
+    (tmp_path / "two_pads").mkdir()
+    with alone_in(tmp_path / "two_pads"), pytest.raises(FolderInUseError, match=r"process or thread; .* in Python `folder`"):
+        comparison.run("two_pads", tmp_path, yade=False, quiet=True)
 
 
 @pytest.mark.parametrize("judged_before", [True, False])
