@@ -178,8 +178,9 @@ def test_a_record_of_another_scene_is_not_drawn_beside_an_answer() -> None:
     other = synthetic_run(la_core.solve("two_pads").analysis)
     with pytest.raises(la_core.SceneError, match="run: must be the record of the answer's scene; take the answer"):
         comparison.draw(la_core.solve("trilith"), "mechanisms", other)
-    with pytest.raises(la_core.SceneError, match=r"^assembly: must be that of the run, with as many blocks"):
-        other.plateau_wrenches(la_core.solve("trilith", bounds_only=True).analysis.assembly)
+    for assembly in (la_core.solve("trilith", bounds_only=True).analysis.assembly, None, la_core.load("two_pads")):
+        with pytest.raises(la_core.SceneError, match=r"^assembly: must be that of the run, with as many blocks"):
+            other.plateau_wrenches(assembly)  # type: ignore[arg-type]
 
 
 def test_a_folder_is_no_file_of_a_figure_or_an_animation_and_no_scene(tmp_path: Path) -> None:

@@ -158,10 +158,10 @@ class Run:
         Raises
         ------
         SceneError
-            The assembly has another number of blocks or contact points than the run.
+            The argument is no assembly, or one with another number of blocks or contact points than the run.
         """
         sizes = self.poses.displacement.shape[1:2] + self.poses.forces.shape[1:2]
-        if sizes != (len(assembly.blocks), len(assembly.points)):
+        if not isinstance(assembly, Assembly) or sizes != (len(assembly.blocks), len(assembly.points)):
             hint = "`result.answer.analysis.assembly` is that of `result.yade`"
             raise SceneError("assembly", "must be that of the run, with as many blocks and contact points", hint=hint)
         stored = self._on_plateau()
