@@ -97,6 +97,20 @@ def test_an_answer_hands_out_mechanism_forces_joints_and_path() -> None:
     assert len(settlement) == len(value) > 10 and value[-1] == pytest.approx(la_core.solve(la_core.load("two_blocks")).coulomb, rel=1e-2)
 
 
+def test_a_turning_support_moves_by_its_twist_about_the_origin_and_bears_a_moment_about_its_axis() -> None:
+    turning = {"axis": [0.0, 2.0, 0.0], "point": [0.45, 0.0, 0.0]}
+    scene = la_core.variant("two_pads", {"settlement": turning})
+    answer, blocks, twists = la_core.solve(scene), scene.blocks, scene.support_twists
+    (support,) = np.flatnonzero(blocks.role == 2)
+    assert twists is not None and twists[support] == pytest.approx([0.0, 0.0, 0.45, 0.0, 1.0, 0.0])
+    about_centroid = np.concatenate([twists[support, :3] + np.cross(twists[support, 3:], blocks.centroid[support]), twists[support, 3:]])
+    assert answer.mechanism[support] == pytest.approx(about_centroid)
+    points = answer.analysis.assembly.points
+    arms = points.position - turning["point"]
+    on_block = np.cross(arms, answer.forces)[points.interface == 1, 1].sum()
+    assert (scene.unit, answer.coulomb) == ("N m", pytest.approx(-on_block)) and answer.coulomb > 0.0
+
+
 def test_tables_of_pandas_are_made_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
     pytest.importorskip("pandas")

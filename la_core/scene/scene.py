@@ -173,7 +173,7 @@ class Scene(Tabled, Held):
 
     @property
     def support_twists(self) -> np.ndarray | None:
-        """Unit motion (B, 6) of every support, 0 for other blocks; None for a live load."""
+        """Unit motion (B, 6) of every support: velocity of the origin, then angular velocity; 0 for other blocks, None for a live load."""
         if self.own_twists is not None or self.support_twist is None:
             return self.own_twists
         return np.where((self.blocks.role == ROLES["support"])[:, None], self.support_twist, 0.0)
