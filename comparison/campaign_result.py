@@ -1,9 +1,10 @@
 """Campaigns from Python: run or read one, show its rows as a table, compare two."""
 
+import copy
 import multiprocessing
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +64,7 @@ class CampaignResult(Tabled):
     title: str
     rows: list[dict[str, Any]]
     unfinished: str = ""
+    _stored: CampaignTable | None = None
 
     def to_dataframe(self) -> Any:
         """Return the rows as a table of pandas.
@@ -232,8 +234,8 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
         A folder holds no campaign, or its table is damaged.
     """
     given = {"before": before, "after": after}
-    first, second = (one.folder if isinstance(one, CampaignResult) else path_of(name, one) for name, one in given.items())
-    found = compare_tables(with_versions(read_table(first)), with_versions(read_table(second)))
+    known = [one if isinstance(one, CampaignResult) else path_of(name, one) for name, one in given.items()]
+    found = compare_tables(*(with_versions(_table_of(one)) for one in known))
     changes = [
         {
             "case": change.case,
@@ -249,7 +251,15 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
 
 
 def _result_of(table: CampaignTable) -> CampaignResult:
-    return CampaignResult(table.folder.absolute(), table.title, table.rows, table.unfinished)
+    place = table.folder.absolute()
+    return CampaignResult(place, table.title, copy.deepcopy(table.rows), table.unfinished, replace(table, folder=place))
+
+
+def _table_of(given: CampaignResult | Path) -> CampaignTable:
+    """Return the table of a result, which a later campaign in its folder may have replaced there, or the one that a folder holds."""
+    if isinstance(given, CampaignResult):
+        return given._stored or read_table(given.folder)
+    return read_table(given)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:

@@ -223,6 +223,9 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
     unchanged = comparison.compare(other, other)
     assert not unchanged.changed and found.summary in repr(found)
     assert list(unchanged.to_dataframe().columns) == ["case", "what", "before", "after", "difference", "allowed"]
+    again = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "out", workers=1, quiet=True)
+    found = comparison.compare(made, again)  # the folder of both has the second table alone
+    assert (found.only_before, found.only_after) == (["pads_friction=0.6"], ["pads_friction=0.5"])
     with pytest.raises(la_core.SceneError, match="workers"):
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
 
