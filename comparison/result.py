@@ -133,8 +133,8 @@ class Result(Tabled):
         return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)
 
     def _repr_html_(self) -> str:
-        encoded = base64.b64encode(figure.read_bytes()).decode() if (figure := self.folder / "mechanisms.png").is_file() else ""
-        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">' if encoded else ""
+        encoded = base64.b64encode(self.plot()._repr_png_()).decode()  # a later run in this folder may have replaced the stored figure
+        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">'
         words = html.escape(f"{self.reason} {self.next_step}".strip())
         return f"{super()._repr_html_()}\n<p>{words}</p>\n{image}"
 

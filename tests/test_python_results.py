@@ -120,6 +120,13 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
 
 
+def test_a_notebook_shows_the_mechanisms_of_the_result_and_not_those_of_a_later_one_in_its_folder(tmp_path: Path) -> None:
+    first = comparison.run(la_core.variant("two_pads", {"joint.friction": 0.5}, "pads"), tmp_path, yade=False, quiet=True)
+    shown = first._repr_html_()
+    other = comparison.run(la_core.variant("trilith", {"joint.friction": 0.5}, "pads"), tmp_path, yade=False, quiet=True)
+    assert first.folder == other.folder and first._repr_html_() == shown != other._repr_html_()
+
+
 def test_what_a_result_hands_out_changes_no_result(any_result: comparison.Result) -> None:
     before = any_result.verdict
     any_result.summary.update(verdict="disagree")
