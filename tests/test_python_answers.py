@@ -111,6 +111,14 @@ def test_a_turning_support_moves_by_its_twist_about_the_origin_and_bears_a_momen
     assert (scene.unit, answer.coulomb) == ("N m", pytest.approx(-on_block)) and answer.coulomb > 0.0
 
 
+def test_what_no_limit_is_and_what_a_joint_has_is_said() -> None:
+    said = str(la_core.Answer.joints.__doc__)
+    assert [key for key in la_core.solve("two_pads", bounds_only=True).joints[0] if f"`{key}`" not in said] == []
+    flat = la_core.solve("flat_arch", bounds_only=True)
+    assert np.isnan(flat.greatest) and flat.values["associated"]["reaction_max_status"] == "unbounded"
+    assert "NaN where nothing limits it" in str(la_core.Answer.greatest.__doc__)
+
+
 def test_tables_of_pandas_are_made_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
     pytest.importorskip("pandas")

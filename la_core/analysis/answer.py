@@ -70,7 +70,7 @@ class Answer(Tabled):
 
     @property
     def greatest(self) -> float:
-        """Greatest reaction of the associated problem (N, N m): the support is pushed into the structure."""
+        """Greatest reaction of the associated problem (N, N m): the support is pushed into the structure; NaN where nothing limits it."""
         return self._bound(Drive.PUSHING, sharp=False)
 
     @property
@@ -86,7 +86,7 @@ class Answer(Tabled):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, over all histories of friction."""
+        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, whatever friction's history; infinite: no limit."""
         coulomb = self.analysis.printed.coulomb
         return (NAN, NAN) if coulomb is None else coulomb.interval
 
@@ -134,8 +134,8 @@ class Answer(Tabled):
 
     @property
     def joints(self) -> list[dict[str, Any]]:
-        """Every joint: blocks, state, forces (N), centre of pressure (m) or NaN with its `eccentricity` (1 at the edge), `friction_used`,
-        and, per unit of `mechanism`, its largest `opening` and `slip` (m) and the `rotation` of its blocks (rad)."""
+        """Every joint: `block_a`, `block_b`, `state`, `normal` (compression positive), `shear` (N), centre of pressure `x`, `y`, `z` (m) or
+        NaN with its `eccentricity` (1: edge), `friction_used`, and per unit of `mechanism` `opening`, `slip` (m), `rotation` (rad)."""
         return joint_rows(self.analysis.assembly, self.mechanism, self.forces)
 
     @property
