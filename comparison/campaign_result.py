@@ -64,7 +64,7 @@ class CampaignResult(Tabled):
     title: str
     rows: list[dict[str, Any]]
     unfinished: str = ""
-    _stored: CampaignTable | None = None
+    _stored: CampaignTable | None = None  # what `compare` takes: a later campaign may replace the table in the folder
 
     def to_dataframe(self) -> Any:
         """Return the rows as a table of pandas.
@@ -251,7 +251,7 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
 
 
 def _result_of(table: CampaignTable) -> CampaignResult:
-    place = table.folder.absolute()
+    place = table.folder.absolute()  # the rows are a copy, which a user may change
     return CampaignResult(place, table.title, copy.deepcopy(table.rows), table.unfinished, replace(table, folder=place))
 
 

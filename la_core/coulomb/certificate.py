@@ -28,8 +28,8 @@ from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
-END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, or so many if more
-END_STEPS = 20  # of the last stretch, at least
+END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, but not below this number
+END_STEPS = 20  # least number of steps of the last stretch
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,

@@ -147,9 +147,9 @@ def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]
 
 
 def refuse_flat(outlines: Iterable[np.ndarray], lines: Iterable[np.ndarray]) -> None:
-    """Raise ValueError where no outline (n, 2) has a width and a height, or where there is none and lines (n, 2) together have not both.
+    """Raise ValueError for a drawing without width or height, as of an elevation in another plane than xy.
 
-    This is how an elevation looks that lies in another plane than xy.
+    It has outlines (n, 2), and each lacks one of the two; or it has lines (n, 2) alone, and all of them together lack one.
     """
     sizes = [np.ptp(outline, axis=0) > 0.0 for outline in outlines]
     extents = [np.ptp(line, axis=0) > 0.0 for line in lines]

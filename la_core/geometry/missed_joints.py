@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.faces import face_corners, face_overlaps, near_pairs, near_parts, opposite_faces
+from la_core.geometry.faces import face_corners, face_overlaps, near_parts, opposite_faces
 from la_core.geometry.interfaces import OPPOSITE, TOUCH, touching
 from la_core.geometry.polygons import polygon_areas
 
@@ -48,14 +48,10 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
     return MissedJoints(np.stack(np.divmod(both, len(blocks)), axis=1), gap[missed][order][first])
 
 
-def joint_areas(parts: Blocks, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The two blocks (J, 2) of every joint between convex parts of different blocks, and its area (J,), m2.
-
-    owner: (P,), the block of each part.
-    """
-    size = np.linalg.norm(parts.high - parts.low, axis=1)
-    pairs = near_pairs(parts, TOUCH * size)
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+def joint_areas(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
+    """The two blocks (J, 2) of every joint between convex parts of different blocks, and its area (J,), m2; blocks may overlap."""
+    parts, owner = blocks.parts, blocks.part_block
+    size, pairs = near_parts(blocks, TOUCH)
     tolerance = TOUCH * size[pairs].min(axis=1)
     pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
     overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)

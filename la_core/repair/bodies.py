@@ -52,9 +52,12 @@ class _Face:
         return 2.0 * float(np.sqrt(max(spread[1], 0.0)))
 
 
-def is_bent(shape: Shape) -> bool:
-    """Whether faces of a convex body may be bent: inexact corners split a face into triangles, and facets of curves have more corners."""
-    return any(len(face) == 3 for face in shape.faces)
+def without_bent_faces(shape: Shape, tolerance: float) -> Shape:
+    """A convex body of corners that are right to the tolerance (m), with plane faces; itself without a tolerance or without triangles.
+
+    Inexact corners split a face into triangles. A body without triangles keeps the facets of its curves.
+    """
+    return with_plane_faces(shape, tolerance) if tolerance > 0.0 and any(len(face) == 3 for face in shape.faces) else shape
 
 
 def with_plane_faces(shape: Shape, tolerance: float) -> Shape:

@@ -21,7 +21,7 @@ FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitte
 SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
 FAR = 1024.0  # m: a structure farther from the origin is repaired about one of its own
-NEARLY = 1.5  # over the depth of the shallowest cut: others are as good
+NEARLY = 1.5  # over the depth of the shallowest cut: within the errors of the corners, cuts that are less deep are as shallow
 ROUNDS = 4  # a cut may uncover another overlap
 CLOSED = 1e-6  # m: a smaller gap was closed already
 
@@ -77,7 +77,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
     still_open = [*found.deep.values(), *unclosed(names, parts, owner, pairs, ~closed, tolerance)]
     told = {frozenset(one.blocks) for one in still_open}
-    lost = lost_joints(names, parts, owner, reach[owner], (_gathered(names, pieces, owner_left), owner_left), tolerance)
+    lost = lost_joints(names, parts, owner, reach[owner], _gathered(names, wholes), tolerance)
     still_open += [one for one in lost if frozenset(one.blocks) not in told]
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
@@ -220,7 +220,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     """Cut every part that overlaps another block, in place, along a face of the other one, also where faces moved."""
     found = _Overlaps()
     for _ in range(ROUNDS):
-        parts = _gathered(names, pieces, owner)
+        parts = _gathered([names[block] for block in owner], pieces).parts
         if (flat := ~np.isfinite(parts.face_normal).all(axis=1)).any():
             raise _nothing_left(parts, int(parts.face_block[np.argmax(flat)]), origin)
         size = np.linalg.norm(parts.high - parts.low, axis=1)
@@ -242,9 +242,9 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     return found
 
 
-def _gathered(names: Sequence[str], pieces: Sequence[Shape], owner: np.ndarray) -> Blocks:
+def _gathered(names: Sequence[str], shapes: Sequence[Shape]) -> Blocks:
     with np.errstate(divide="ignore", invalid="ignore"):  # a face without area has no normal
-        return Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), list(pieces)).parts
+        return Blocks.gather(list(names), ["fixed"] * len(shapes), [1.0] * len(shapes), list(shapes))
 
 
 def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape, float]:

@@ -33,7 +33,7 @@ def unclosed(
 
 
 def lost_joints(
-    names: Sequence[str], parts: Blocks, owner: np.ndarray, reach: np.ndarray, left: tuple[Blocks, np.ndarray], tolerance: float
+    names: Sequence[str], parts: Blocks, owner: np.ndarray, reach: np.ndarray, left: Blocks, tolerance: float
 ) -> Iterator[Unclosed]:
     """Yield two blocks once where faces of them lay opposite each other, and they share much less area in the end.
 
@@ -48,8 +48,8 @@ def lost_joints(
         Convex parts as drawn, and the block of each.
     reach : (P,) array
         Greatest distance at which faces of each part are brought together, m.
-    left : tuple of Blocks and (Q,) array of int
-        Convex parts after the repair, and the block of each.
+    left : Blocks
+        The blocks after the repair.
     tolerance : float
         Largest error of the coordinates, m.
     """
@@ -60,7 +60,7 @@ def lost_joints(
     both, row = np.unique(number, return_inverse=True)
     around = np.linalg.norm(pairs.middle[next_corners(pairs.start)] - pairs.middle, axis=1)
     strip = reach.max() * np.bincount(row[owners(pairs.start)], around)
-    blocks, area = joint_areas(*left)
+    blocks, area = joint_areas(left)
     kept = np.zeros(len(both))
     place = np.searchsorted(both, _numbers(blocks, len(names))).clip(max=len(both) - 1)
     is_same = both[place] == _numbers(blocks, len(names))

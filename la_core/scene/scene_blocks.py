@@ -12,7 +12,7 @@ from la_core.drawing import straightened
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS, broken_rule
 from la_core.geometry import ROLES, Blocks, shapes
-from la_core.repair import Repairs, close_joints, is_bent, with_plane_faces
+from la_core.repair import Repairs, close_joints, without_bent_faces
 from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
@@ -99,8 +99,7 @@ def _shape(block: scene_file.Block, tolerance: float) -> shapes.Shape:
     if block.prism:
         return shapes.prism(straightened(block.prism.profile, tolerance), block.prism.y)
     assert block.polyhedron is not None  # the schema demands exactly one shape
-    body = shapes.polyhedron(block.polyhedron.vertices)
-    return with_plane_faces(body, tolerance) if tolerance > 0.0 and is_bent(body) else body
+    return without_bent_faces(shapes.polyhedron(block.polyhedron.vertices), tolerance)
 
 
 def _faults_of_names(tables: Tables) -> Iterator[Fault]:

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from shapely.geometry.polygon import orient
 
 from la_core.geometry import FACE_FLATNESS, Shape, divided_loft, plane_axes, polyhedron, without_straight_corners
-from la_core.repair import is_bent, with_plane_faces
+from la_core.repair import with_plane_faces, without_bent_faces
 from la_core.scene.schema.types import LARGEST
 from la_core.text_table import place_text
 
@@ -97,7 +97,7 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
             raise
         return prism, False
     if deepest <= FACE_FLATNESS * size:  # a program may have made the body convex already, with bent faces
-        return with_plane_faces(shape, tolerance) if tolerance > 0.0 and is_bent(shape) else shape, False
+        return without_bent_faces(shape, tolerance), False
     return with_plane_faces(polyhedron(vertices.tolist(), 2.0 * deepest / size), tolerance), True
 
 
