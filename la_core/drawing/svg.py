@@ -8,7 +8,7 @@ import itertools
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,7 +17,7 @@ import shapely
 from la_core.drawing.outlines import HIDDEN, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
-from la_core.drawing.svg_styles import UNREAD, StyleSheet, sheet_of
+from la_core.drawing.svg_styles import UNREAD, Paint, StyleSheet, is_zero, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 ASKS = {"systemLanguage", "requiredExtensions", "requiredFeatures"}  # attributes of elements that not every program draws
@@ -29,7 +29,6 @@ ENTITY = re.compile(rb"""<!ENTITY\s+([\w.:-]+)\s+("[^"&%]*"|'[^'&%]*')\s*>""")  
 MOST_GROWN = 10_000_000  # characters of all entities where they are used
 XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-UNPAINTED = {"none", "transparent"}
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
 REFERENCE = "refX or refY of symbols"  # kind of copies that such a point would move
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
@@ -91,10 +90,10 @@ class _Around:
         Whether a group around is a layer by its label.
     colour : str
         Colour of elements without one of their own.
-    fill, stroke : str
-        Fill and stroke; "" where nothing gives them.
+    paint : Paint
+        Fill and stroke.
     displayed, visible : bool
-        Whether no group is switched off, and whether the last `visibility` shows it.
+        Whether no group is switched off or has no opacity, and whether the last `visibility` shows it.
     is_copied : bool
         Whether a <use> draws it.
     """
@@ -105,8 +104,7 @@ class _Around:
     layer_of_lines: str = ""
     is_labelled: bool = False
     colour: str = "none"
-    fill: str = ""
-    stroke: str = ""
+    paint: Paint = field(default_factory=Paint)
     displayed: bool = True
     visible: bool = True
     is_copied: bool = False
@@ -183,7 +181,8 @@ class _Reader:
         """What holds for an element and for the elements in it."""
         given = self.sheet.properties(element, kind)
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
-        displayed, matrix = around.displayed and given.get("display") != "none", around.matrix
+        matrix = around.matrix
+        displayed = around.displayed and given.get("display") != "none" and not is_zero(given.get("opacity", "1"))
         for told in {word for name, word in UNREAD.items() if displayed and given.get(name, "none") != "none"}:
             self.drawn.ignore(told)
         if displayed and "transform" in given:
@@ -195,8 +194,7 @@ class _Reader:
             around,
             matrix=matrix,
             colour=(fill if fill not in ("", "none") else stroke) or around.colour,
-            fill=fill or around.fill,
-            stroke=stroke or around.stroke,
+            paint=around.paint.with_given(given),
             displayed=displayed,
             visible=given.get("visibility", "visible" if around.visible else "hidden") not in ("hidden", "collapse"),
         )
@@ -205,7 +203,7 @@ class _Reader:
     def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
         """Add the lines of a shape, or count it if it is hidden."""
         may_be_painted = self.sheet.unread > 0  # by a rule that is not read
-        if not (here.displayed and here.visible) or (_is_unpainted(here) and not may_be_painted):
+        if not (here.displayed and here.visible) or (here.paint.is_unseen and not may_be_painted):
             self.drawn.ignore(HIDDEN)
             return
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
@@ -213,7 +211,7 @@ class _Reader:
             raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
         curves: list[np.ndarray] = []
         for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300), curves):
-            closed = is_closed or (kind in FILLED and _is_filled(here) and _encloses(points))
+            closed = is_closed or (kind in FILLED and here.paint.is_filled and _encloses(points))
             layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
             self.drawn.add(points @ turn.T + place, closed, layer, here.colour)
         self.drawn.curves += [points @ turn.T + place for points in curves]
@@ -263,18 +261,6 @@ def _shapes(group: ElementTree.Element) -> Iterator[ElementTree.Element]:
         if _tag(element) in SHAPES | {"use"}:
             yield element
         waiting += [child for child in element if _tag(child) not in SILENT]
-
-
-def _is_filled(here: _Around) -> bool:
-    """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, and SVG then fills it."""
-    if here.fill:
-        return here.fill not in UNPAINTED
-    return here.stroke in ("", *UNPAINTED)
-
-
-def _is_unpainted(here: _Around) -> bool:
-    """Whether nothing shows a shape: it has no fill by its own word or a group's, and no stroke. Programs write pages and artboards so."""
-    return here.fill in UNPAINTED and here.stroke in ("", *UNPAINTED)
 
 
 def _encloses(points: np.ndarray) -> bool:

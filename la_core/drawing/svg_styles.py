@@ -7,7 +7,8 @@ from xml.etree import ElementTree
 
 from la_core.drawing.outlines import CLIPPED
 
-READ = ("display", "visibility", "fill", "stroke", "transform", "transform-origin")
+OPACITIES = ("fill-opacity", "stroke-opacity")
+READ = ("display", "visibility", "opacity", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
 # Properties that change what is seen and are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
@@ -17,6 +18,53 @@ IMPORTANT = re.compile(r"\s*!\s*important\s*$")
 # States that no element has in a drawing that nobody touches, and parts that are no elements.
 STATES = re.compile(r":(hover|active|focus|visited|link|any-link|target|checked|:)", re.IGNORECASE)
 UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
+NO_OPACITY = r"\s*[-+]?(?:0+\.?0*|\.0+)%?\s*"
+CLEAR = re.compile(  # paints that show nothing
+    rf"none|transparent|#[0-9a-f]{{3}}0|#[0-9a-f]{{6}}00|(?:rgb|hsl)a?\((?:(?:[^,]*,){{3}}|[^,/]*/){NO_OPACITY}\)"
+)
+
+
+@dataclass(frozen=True)
+class Paint:
+    """What a shape is painted with.
+
+    Attributes
+    ----------
+    fill, stroke : str
+        Fill and stroke; "" where nothing gives them.
+    clear : frozenset of str
+        Those of the OPACITIES that are 0.
+    """
+
+    fill: str = ""
+    stroke: str = ""
+    clear: frozenset[str] = frozenset()
+
+    def with_given(self, given: dict[str, str]) -> "Paint":
+        """The paint of an element within that gives some properties itself."""
+        zero = {name for name in OPACITIES if is_zero(given.get(name, "1"))}
+        return Paint(given.get("fill") or self.fill, given.get("stroke") or self.stroke, self.clear - given.keys() | zero)
+
+    @property
+    def is_filled(self) -> bool:
+        """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, and SVG then fills it."""
+        if "fill-opacity" in self.clear:
+            return False
+        return not CLEAR.fullmatch(self.fill) if self.fill else not self._has_stroke
+
+    @property
+    def is_unseen(self) -> bool:
+        """Whether nothing shows a shape: neither fill, by its own word or a group's, nor stroke. Programs write pages and artboards so."""
+        return bool("fill-opacity" in self.clear or CLEAR.fullmatch(self.fill)) and not self._has_stroke
+
+    @property
+    def _has_stroke(self) -> bool:
+        return bool(self.stroke) and not CLEAR.fullmatch(self.stroke) and "stroke-opacity" not in self.clear
+
+
+def is_zero(opacity: str) -> bool:
+    """Whether an opacity lets nothing be seen."""
+    return re.fullmatch(NO_OPACITY, opacity) is not None
 
 
 @dataclass(frozen=True)

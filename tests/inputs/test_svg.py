@@ -299,6 +299,15 @@ HIDING = {  # what hides one rectangle
     "shape itself": '<rect width="1000" height="100" display="none"/>',
     "artboard": '<rect id="Artboard1" width="2000" height="1000" style="fill:none;"/>',
     "neither fill nor stroke": f'<g fill="none" stroke="none">{ONE}</g>',
+    "no opacity": f'<g opacity="0"><g opacity="1">{ONE}</g></g>',
+    "no opacity in a class": f'<style>.a{{opacity:0.0%}}</style><g class="a">{ONE}</g>',
+    "fill without opacity": f'<g style="fill:#000;fill-opacity:0">{ONE}</g>',
+    "default fill without opacity": f'<g fill-opacity=".0">{ONE}</g>',
+    "stroke without opacity": f'<g fill="none" stroke="#000" stroke-opacity="0">{ONE}</g>',
+    "stroke without opacity around": f'<g stroke-opacity="0"><g fill="none" stroke="#000">{ONE}</g></g>',
+    "transparent": f'<g fill="transparent" stroke="rgba(0, 0, 0, 0)">{ONE}</g>',
+    "rgb with an opacity": f'<g fill="rgb(255 255 255 / 0%)">{ONE}</g>',
+    "hex with an opacity": f'<g fill="#FFF0" stroke="#12345600">{ONE}</g>',
 }
 SHOWING = {  # what hides nothing
     "style over sheet": f"<style>.a{{display:none}}</style><g class='a' style='display:inline'>{ONE}</g>",
@@ -310,6 +319,12 @@ SHOWING = {  # what hides nothing
     "comment": f"<style>/* .a{{display:none}} */</style><g class='a'>{ONE}</g>",
     "fill alone": f'<g stroke="none">{ONE}</g>',
     "stroke alone": f'<g fill="none" stroke="#000">{ONE}</g>',
+    "little opacity": f'<g opacity="0.01" fill-opacity="1e-3" stroke="none">{ONE}</g>',
+    "opacity again": f'<g fill-opacity="0"><g fill-opacity="0.5">{ONE}</g></g>',
+    "stroke beside a fill without opacity": f'<g fill-opacity="0" stroke="#000">{ONE}</g>',
+    "black": f'<g fill="rgb(0,0,0)" stroke="none">{ONE}</g>',
+    "nearly clear": f'<g fill="rgba(0,0,0,0.05)">{ONE}</g>',
+    "yellow": f'<g fill="#ff00" stroke="#ff0000">{ONE}</g>',
 }
 
 
@@ -418,6 +433,8 @@ UNFILLED = {
     "stroke of a group": f'<g stroke="black"><path d="{OPEN}"/></g>',
     "no fill": f'<g fill="#ccc" stroke="black"><path fill="none" d="{OPEN}"/></g>',
     "transparent": f'<path style="fill:transparent;stroke:#000" d="{OPEN}"/>',
+    "fill without opacity": f'<path style="fill:red;fill-opacity:0;stroke:#000" d="{OPEN}"/>',
+    "rgba": f'<path style="fill:rgba(0,0,0,0);stroke:#000" d="{OPEN}"/>',
     "a straight line": '<path fill="#ccc" d="M0 1200H1000H2000"/>',
     "a line": '<line fill="#ccc" x1="0" y1="1200" x2="2000" y2="1200"/>',
     "a crack that crosses its closing side": '<polyline fill="#ccc" stroke="#000" points="0,0 100,50 200,-50 300,50 400,0"/>',
