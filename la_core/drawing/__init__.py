@@ -3,7 +3,7 @@
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
 from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, by_layer
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
-from la_core.drawing.remarks import open_words, remarks, unseen_words
+from la_core.drawing.remarks import lacking_words, open_words, remarks, unseen_words
 
 __all__ = [
     "DRAWING_FORMATS",
@@ -15,6 +15,7 @@ __all__ = [
     "Outline",
     "by_layer",
     "cleaned",
+    "lacking_words",
     "open_words",
     "read_outlines",
     "remarks",

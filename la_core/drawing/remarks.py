@@ -50,6 +50,12 @@ def unseen_words(ignored: Mapping[str, int]) -> list[str]:
         told.append(f"{what}; show hidden layers to have them read")
     if clipped := ignored.get(CLIPPED, 0):
         told.append(f"clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
+    return [*told, *lacking_words(ignored)]
+
+
+def lacking_words(ignored: Mapping[str, int]) -> list[str]:
+    """Sentences on what a drawing shows in a CAD program and does not hold itself; parameter as of `unseen_words`."""
+    told = []
     if elsewhere := ignored.get(ELSEWHERE, 0):
         told.append(f"{ELSEWHERE} are not read ({elsewhere}); bind these external references into the drawing")
     if missing := ignored.get(MISSING, 0):

@@ -10,7 +10,7 @@ from ezdxf.xclip import XClip
 from wall_drawings import dxf, polyline
 
 from la_core.drawing import Drawn, read_outlines
-from la_core.scene import scene_from_file
+from la_core.scene import load_scene, scene_from_file
 
 SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
 BESIDE = [(1000, 0), (2000, 0), (2000, 500), (1000, 500)]
@@ -90,6 +90,19 @@ def test_a_new_scene_tells_of_inserts_of_missing_blocks(tmp_path: Path) -> None:
     document.modelspace().add_blockref("ARCH", (0, 0))
     document.saveas(tmp_path / "wall.dxf")
     assert "# CHECK: inserts of missing blocks show nothing (1)" in scene_from_file(tmp_path / "wall.dxf", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("in_other_file", "words"), [(True, "drawings in other files are not read (1)"), (False, "inserts of missing blocks show nothing (1)")]
+)
+def test_every_command_warns_of_what_the_file_does_not_hold(in_other_file: bool, words: str, tmp_path: Path) -> None:
+    document = with_insert()
+    if in_other_file:
+        document.add_xref_def("arch.dwg", "ARCH")
+    document.modelspace().add_blockref("ARCH", (0, 0))
+    document.saveas(tmp_path / "wall.dxf")
+    (tmp_path / "wall.toml").write_text(scene_from_file(tmp_path / "wall.dxf", tmp_path), encoding="utf-8")
+    assert any(warning.startswith(f'drawing "wall.dxf": {words}; ') for warning in load_scene(tmp_path / "wall.toml").warnings)
 
 
 def test_the_clip_path_of_an_insert_is_counted() -> None:

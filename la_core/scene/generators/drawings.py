@@ -10,7 +10,20 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, by_layer, cleaned, open_words, read_outlines, remarks
+from la_core.drawing import (
+    UNITS,
+    Cleaned,
+    Drawn,
+    LayerCount,
+    OpenOutline,
+    Outline,
+    by_layer,
+    cleaned,
+    lacking_words,
+    open_words,
+    read_outlines,
+    remarks,
+)
 from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -84,10 +97,10 @@ class DrawnBlocks:
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what may be read in another way than it is meant, see `remarks`."""
+        """Sentences on what may be read in another way than it is meant, see `remarks`, and on what the file does not hold."""
         left_out = (self.stray_lines, self.around, self.across, self.covered)
         told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block)
-        return tuple(f'drawing "{self.file}": {words}.' for words in told)
+        return tuple(f'drawing "{self.file}": {words}.' for words in (*told, *lacking_words(self.ignored)))
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:
