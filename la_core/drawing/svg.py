@@ -31,6 +31,8 @@ XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
 REFERENCE = "refX or refY of symbols"  # kind of copies that such a point would move
+GLYPH = re.compile(r"#(glyph-?|font_)\d+[-_]\d+")  # link to the shape of a letter, as pdftocairo, Inkscape and MuPDF name it
+LETTERS = "letters of texts"  # kind of copies of such shapes
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
 SAME_POINT = 1e-9  # of the size of a line
 
@@ -162,6 +164,9 @@ class _Reader:
     def _add_copy(self, use: ElementTree.Element, here: _Around, depth: int) -> None:
         """Add the element that a <use> stands for, at its place; one of another file is counted."""
         link = use.get("href") or use.get(f"{XLINK}href") or ""
+        if GLYPH.fullmatch(link):
+            self.drawn.ignore(LETTERS)
+            return
         original = self.named.get(link[1:]) if link.startswith("#") else None
         if original is None:
             self.drawn.ignore("use")

@@ -97,6 +97,30 @@ def test_a_copy_of_what_is_not_there_is_counted(link: str) -> None:
     assert drawn.ignored == {"use": 1}
 
 
+LETTER = '<path d="M0 0H4V7H0Z"/>'
+
+
+@pytest.mark.parametrize(
+    ("shape", "link"),
+    [
+        ('<symbol overflow="visible" id="glyph0-1">{}</symbol>', "glyph0-1"),  # pdf2svg and Inkscape
+        ('<g id="glyph-0-1">{}</g>', "glyph-0-1"),  # pdftocairo of today
+        ('<g id="font_1_23">{}</g>', "font_1_23"),  # mutool
+    ],
+)
+def test_letters_of_a_converted_pdf_are_counted_and_no_stones(shape: str, link: str) -> None:
+    copies = f'<g fill="#000"><use xlink:href="#{link}" x="10" y="20"/><use xlink:href="#{link}" x="30" y="20"/></g>'
+    drawn = read(f"<defs><g>{shape.format(LETTER)}</g></defs>{copies}{STONE}<use href='#stone'/>")
+    assert len(drawn.outlines) == 1
+    assert drawn.ignored == {"letters of texts": 2}
+
+
+def test_stones_with_numbers_are_no_letters() -> None:
+    drawn = read("".join(f'<defs><rect id="{name}" width="5" height="2"/></defs><use href="#{name}"/>' for name in ("g12-3", "stone_1_2")))
+    assert len(drawn.outlines) == 2
+    assert not drawn.ignored
+
+
 def test_a_point_that_would_move_a_symbol_is_counted() -> None:
     drawn = read('<symbol id="s" refX="250"><rect width="500" height="250"/></symbol><use href="#s"/><use href="#s" display="none"/>')
     assert drawn.outlines[0].points[:, 0].min() == pytest.approx(0.0)
