@@ -33,7 +33,7 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
-from la_core.geometry import Shape, prism
+from la_core.geometry import ROLES, Shape, prism
 from la_core.scene import scene_from_file
 from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.generators import mesh, mesh_surface
@@ -271,6 +271,12 @@ FILES = {
         {},
         "a model has modifiers, such as cuts by neighbours",
     ),
+    "loads beside a model": (
+        "x.json",
+        json.dumps({"dtype": "compas_dem.problem/Problem", "data": {"model": json.loads(compas_model(wall())), "boundary_conditions": {}}}),
+        {},
+        "a problem of compas_dem has loads and supports beside its model, which is not read",
+    ),
     "JSON without end": ("x.json", "[" * 100_000, {}, "not an assembly as COMPAS writes it"),
     "not PLY": ("x.ply", "nothing of the kind", {}, "not a whole PLY file"),
     "not STL": ("x.stl", b"\xff" * 200, {}, "not a whole STL file"),
@@ -396,6 +402,16 @@ def test_an_element_with_a_frame_of_its_own_is_refused(tmp_path: Path) -> None:
     element["data"]["frame"]["data"]["point"] = [5, 0, 0]
     rule = refusal(written(tmp_path, "wall.json", json.dumps(model), fixed=[], support=["pad"]))
     assert "has a frame of its own, which is not read" in rule
+
+
+def test_meshes_of_a_list_that_are_marked_as_supports_are_held(tmp_path: Path) -> None:
+    """Templates of compas_dem mark their meshes so; such meshes were free."""
+    meshes = json.loads(compas_meshes(wall()))
+    for item, (_, role) in zip(meshes, wall().values(), strict=True):
+        mesh = item[0] if isinstance(item, list) else item
+        mesh["data"]["attributes"] = {"is_support": role == "fixed"}
+    scene = load_scene(written(tmp_path, "wall.json", json.dumps(meshes), fixed=[], support=["pad"]))
+    assert [scene.blocks.names[k] for k in np.flatnonzero(scene.blocks.role == ROLES["fixed"])] == ["ground"]
 
 
 def test_a_body_with_no_face_but_one_without_corners_is_refused(tmp_path: Path) -> None:

@@ -192,10 +192,13 @@ def _compas_surfaces(content: bytes) -> list[Surface]:
 def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str, Any]]]:
     """Key, mesh and marks of every block: of a list of meshes, a model of elements, a table of blocks, or a graph."""
     if isinstance(content, list):
-        for key, mesh in enumerate(content):
-            yield key, mesh[0] if isinstance(mesh, list) and len(mesh) == 1 else mesh, {}
+        for key, item in enumerate(content):
+            mesh = item[0] if isinstance(item, list) and len(item) == 1 else item
+            yield key, mesh, _unwrapped(mesh).get("attributes") or {}  # templates of compas_dem mark supports there
         return
     data = _unwrapped(content)
+    if "boundary_conditions" in data:
+        raise _NotReadError("a problem of compas_dem has loads and supports beside its model")
     if "elements" in data:  # compas_model and compas_dem
         elements, edges = data["elements"], _unwrapped(data.get("graph") or {}).get("edge") or {}
         if any(edge.get("modifiers") for ends in edges.values() for edge in ends.values()):
