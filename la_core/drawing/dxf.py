@@ -54,7 +54,7 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
         document, auditor = recover.read(io.BytesIO(content))
         paper = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
     except Exception as error:  # any error of a reader of foreign bytes
-        raise ValueError(f"is not a whole DXF file: {_words(error)}") from error
+        raise ValueError(f"is not a whole DXF file: {_words(error)}; save it again in a CAD program") from error
     _refuse_damage(auditor)
     if paper is None:
         raise ValueError('does not say its unit; state it: unit = "mm"')

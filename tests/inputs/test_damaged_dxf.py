@@ -112,3 +112,16 @@ def test_the_clip_path_of_an_insert_is_counted() -> None:
     assert read(document).ignored == {"clip paths": 1}
     clip.disable_clipping()
     assert read(document).ignored == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("100\nAcDbPolyline\n", "", "missing 'AcDbPolyline' subclass in LWPOLYLINE"),
+        ("0\nLWPOLYLINE\n", "0\nPOLYLINE\n66\n1\n", "Expected DXF entity"),  # without a SEQEND
+    ],
+)
+def test_a_polyline_that_lacks_a_part_of_its_grammar_is_refused_with_what_to_do(old: str, new: str, words: str) -> None:
+    content = dxf([polyline(SQUARE, "A").replace(old, new), polyline(BESIDE, "A")])
+    with pytest.raises(ValueError, match=f"is not a whole DXF file: {words}.*; save it again in a CAD program"):
+        read_outlines(".dxf", content, None, 0.005)
