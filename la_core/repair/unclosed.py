@@ -14,13 +14,10 @@ WIDER = 1.5  # over the greatest distance at which faces are brought together: a
 def unclosed(
     names: Sequence[str], parts: Blocks, owner: np.ndarray, pairs: Facing, is_open: np.ndarray, tolerance: float
 ) -> list[Unclosed]:
-    """The open ones of the pairs (L,) of faces whose joint would be longer than twice the tolerance (m), the widest gap first."""
+    """The open ones of the pairs (L,) of faces whose joint would be wider than twice the tolerance (m), the widest gap first."""
     widest = pairs.widest
     blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
-    extent, ring = np.zeros(len(pairs)), owners(pairs.start)
-    centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
-    np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
-    open_pairs = np.flatnonzero(is_open & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))
+    open_pairs = np.flatnonzero(is_open & (_widths(pairs) > 2.0 * tolerance) & (blocks[0] != blocks[1]))
     order = open_pairs[np.argsort(-np.abs(pairs.gap[widest[open_pairs]]), kind="stable")]
     return [
         Unclosed(
@@ -58,8 +55,7 @@ def lost_joints(
         return
     number = _numbers(owner[parts.face_block[np.stack([pairs.face_a, pairs.face_b], axis=1)]], len(names))
     both, row = np.unique(number, return_inverse=True)
-    around = np.linalg.norm(pairs.middle[next_corners(pairs.start)] - pairs.middle, axis=1)
-    strip = reach.max() * np.bincount(row[owners(pairs.start)], around)
+    strip = reach.max() * np.bincount(row, _perimeters(pairs))
     blocks, area = joint_areas(left)
     kept = np.zeros(len(both))
     place = np.searchsorted(both, _numbers(blocks, len(names))).clip(max=len(both) - 1)
@@ -71,6 +67,18 @@ def lost_joints(
         if frozenset(one.blocks) not in told:
             told.add(frozenset(one.blocks))
             yield one
+
+
+def _perimeters(pairs: Facing) -> np.ndarray:
+    """Length (L,) of the outline of the polygon in which the faces of each pair overlap, m."""
+    sides = np.linalg.norm(pairs.middle[next_corners(pairs.start)] - pairs.middle, axis=1)
+    return np.bincount(owners(pairs.start), sides, minlength=len(pairs))
+
+
+def _widths(pairs: Facing) -> np.ndarray:
+    """Width (L,) of that polygon, m: the shorter side of the rectangle with its area and perimeter, whatever its direction."""
+    quarter = _perimeters(pairs) / 4.0
+    return np.asarray(quarter - np.sqrt(np.maximum(quarter**2 - pairs.area, 0.0)))
 
 
 def _numbers(blocks: np.ndarray, count: int) -> np.ndarray:

@@ -1,9 +1,12 @@
 """Joints beside those that a repair closes: a cut of an overlap leaves them whole, and one that stays a little too far open is named."""
 
+import numpy as np
 import pytest
 import scenes
 
-from la_core.geometry import find_interfaces
+from la_core.geometry import Blocks, box, find_interfaces
+from la_core.repair.facing import facing_faces
+from la_core.repair.unclosed import unclosed
 
 
 def test_a_gap_a_little_wider_than_the_tolerance_closes_is_named() -> None:
@@ -27,3 +30,15 @@ def test_a_cut_of_an_overlap_leaves_the_joint_beside_it_whole() -> None:
     area = {(names[a], names[b]): area for a, b, area in zip(found.block_a, found.block_b, found.area, strict=True)}
     assert area[("stone", "right")] == pytest.approx(0.6, abs=0.003)
     assert area[("stone", "left")] == pytest.approx(0.4, abs=0.003)
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
+@pytest.mark.parametrize(("width", "count"), [(0.008, 0), (0.012, 1)])
+def test_what_stays_open_is_named_by_its_width_in_every_direction(width: float, count: int, order: tuple[int, int, int]) -> None:
+    """Its length counted along x and z alone: a strip along x that no joint would be was named, one along y was not."""
+    ends = [((0.0, 0.0, 0.0), (2.0, width, 0.5)), ((0.0, 0.0, 0.504), (2.0, width, 1.0))]
+    shapes = [box(*(np.array(corner)[list(order)].tolist() for corner in both)) for both in ends]
+    parts = Blocks.gather(["a", "b"], ["fixed"] * 2, [1.0] * 2, shapes)
+    pairs = facing_faces(parts, np.arange(2), np.full(2, 0.01))
+    found = unclosed(["a", "b"], parts, np.arange(2), pairs, np.ones(len(pairs), dtype=bool), tolerance=0.005)
+    assert [one.gap for one in found] == pytest.approx([0.004] * count)
