@@ -32,7 +32,8 @@ CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE"
 MOST_ENTITIES = 500_000
 SPLINE_FRAME = 16  # flag of the vertices of a polyline that only guide its curve
 DEEPEST = 20  # inserts within inserts
-LEAST_CHORDS = 2  # of a curve
+LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve
+CUBIC = 3  # degree of most splines
 LARGEST = 1e12  # units of the file: extent of one entity
 FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
 DWG = b"AC10"  # the first bytes of a DWG file
@@ -165,20 +166,29 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
         drawn.ignore(kind)
         return
     try:
-        curve = _path_of(entity) if motion is None else _path_of(entity).transform(motion)
-        guides = np.array([(point.x, point.y) for point in curve.control_vertices()], dtype=float).reshape(-1, 2)
-        size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
-        finest = max(sagitta / scale, FINEST * size)  # a circle around the whole world has no more chords than memory holds
-        corners = curve.flattening(finest, LEAST_CHORDS) if size <= LARGEST else ()  # NaN is not
-        points = np.array([(point.x, point.y) for point in corners], dtype=float).reshape(-1, 2)
-        curves = _curves(curve, finest) if curve.has_curves and size <= LARGEST else []
+        size, points, curves, meets = (_spline_chords if _is_general_spline(entity) else _chords)(entity, motion, sagitta / scale)
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"holds a {kind} that cannot be read: {_words(error)}") from error
     if not size <= LARGEST:
         raise ValueError(f"holds a {kind} larger than {LARGEST:g} units, or with a coordinate that is not a number; delete it")
-    closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
+    closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or meets)
     drawn.add(scale * points, closed, *place)
     drawn.curves += [scale * points for points in curves]
+
+
+def _chords(entity: Any, motion: Any, sagitta: float) -> tuple[float, np.ndarray, list[np.ndarray], bool]:
+    """Extent of an entity, its corners (n, 2), the chords (m, 2) of each curve, and whether it ends where it begins; in the file's unit."""
+    curve = _path_of(entity) if motion is None else _path_of(entity).transform(motion)
+    guides = _flat(curve.control_vertices())
+    size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
+    if not size <= LARGEST:  # NaN is not
+        return size, guides[:0], [], False
+    finest = max(sagitta, FINEST * size)  # a circle around the whole world has no more chords than memory holds
+    return size, _flat(curve.flattening(finest, LEAST_CHORDS)), _curves(curve, finest) if curve.has_curves else [], bool(curve.is_closed)
+
+
+def _flat(points: Iterable[Any]) -> np.ndarray:
+    return np.array([(point[0], point[1]) for point in points], dtype=float).reshape(-1, 2)
 
 
 def _path_of(entity: Any) -> Any:
@@ -187,37 +197,49 @@ def _path_of(entity: Any) -> Any:
 
     if entity.dxftype() == "POLYLINE":  # the frame of a smoothed polyline is not shown
         entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
-    if entity.dxftype() == "SPLINE" and len(entity.control_points) and len(entity.knots):
-        degree, knots = entity.dxf.degree, entity.knots
-        if knots[0] < knots[degree] or knots[-degree - 1] < knots[-1]:
-            return _within_its_domain(path.make_path, entity)
     return path.make_path(entity)
 
 
-def _within_its_domain(make_path: Any, spline: Any) -> Any:
-    """The path of a spline whose curve begins after its first knots, as that of a closed spline without a beginning.
+def _is_general_spline(entity: Any) -> bool:
+    """Whether an entity is a spline that ezdxf turns into curves beside it: all but cubic ones without weights from first knot to last.
 
-    ezdxf follows a spline from its first knot to its last. Knots that repeat the ends of the curve make both the same.
+    It draws a smooth curve through some points of the others, also where they have corners. One that is closed and has no beginning, it
+    follows beyond its ends.
     """
-    from scipy.interpolate import insert  # noqa: PLC0415 - few drawings have such splines
+    if entity.dxftype() != "SPLINE" or not len(entity.control_points) or not len(entity.knots):
+        return False
+    degree, knots = entity.dxf.degree, entity.knots
+    is_clamped = knots[0] == knots[degree] and knots[-degree - 1] == knots[-1]
+    return bool(degree != CUBIC or len(entity.weights) or not is_clamped)
 
-    degree, weights = spline.dxf.degree, np.array(spline.weights or [1.0] * len(spline.control_points))
-    guides = np.column_stack([np.array(spline.control_points, dtype=float) * weights[:, None], weights])
-    knots = np.array(spline.knots, dtype=float)
-    first, last = knots[degree], knots[-degree - 1]
-    padding = np.zeros((degree + 1, guides.shape[1]))  # fitpack wants as many coefficients as knots
-    coefficients = list(np.concatenate([guides, padding]).T)
-    for end in (first, last):
-        missing = degree + 1 - int(np.count_nonzero(knots == end))
-        if missing > 0:
-            knots, coefficients, _ = insert(end, (knots, coefficients, degree), missing)
-    inside = np.flatnonzero((knots >= first) & (knots <= last))
-    kept = slice(inside[0], inside[-1] - degree)
-    whole = np.array(coefficients).T[kept]
-    spline = spline.copy()
-    spline.control_points, spline.weights = whole[:, :3] / whole[:, 3:], whole[:, 3] if len(spline.weights) else []
-    spline.knots = knots[inside]
-    return make_path(spline)
+
+def _spline_chords(spline: Any, motion: Any, sagitta: float) -> tuple[float, np.ndarray, list[np.ndarray], bool]:
+    """The same as `_chords` for a spline of any degree: corners on the curve itself, among them all its knots."""
+    from scipy.interpolate import BSpline  # noqa: PLC0415 - few drawings have such splines
+
+    degree, weights = spline.dxf.degree, np.array(spline.weights or [1.0] * len(spline.control_points), dtype=float)
+    guides = _flat(spline.control_points if motion is None else motion.transform_vertices(spline.control_points))
+    size = float(np.ptp(guides, axis=0).max())
+    if not size <= LARGEST:
+        return size, guides[:0], [], False
+    knots, finest = np.array(spline.knots, dtype=float), max(sagitta, FINEST * size)
+    curve = BSpline(knots, np.column_stack([guides * weights[:, None], weights]), degree)
+    ends = np.unique(knots[degree : len(knots) - degree])
+    spans = [_span(curve, start, end, finest, LEAST_CHORDS if degree > 1 else 1) for start, end in itertools.pairwise(ends)]
+    points = np.concatenate([spans[0][:1], *(span[1:] for span in spans)])
+    meets = bool(np.hypot(*(points[-1] - points[0])) <= FINEST * size)
+    return size, points, spans if degree > 1 else [], meets
+
+
+def _span(curve: Any, start: float, end: float, finest: float, count: int) -> np.ndarray:
+    """Equal steps (n, 2) along a spline between two knots, at least `count`, whose chords stay within `finest` of it."""
+    while True:
+        weighted = curve(np.linspace(start, end, 2 * count + 1))
+        points = weighted[:, :2] / weighted[:, 2:]
+        away = np.hypot(*(points[1::2] - (points[:-1:2] + points[2::2]) / 2.0).T).max()
+        if away <= finest or count >= MOST_CHORDS:
+            return np.asarray(points[::2])
+        count *= 2
 
 
 def _curves(curve: Any, finest: float) -> list[np.ndarray]:
