@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 
-from la_core.drawing.outlines import CLIPPED, ELSEWHERE, HIDDEN, MISSING, LayerCount, OpenOutline
+from la_core.drawing.outlines import ABSENT, AREAS, CLIPPED, ELSEWHERE, HIDDEN, MISSING, REFERENCE, LayerCount, OpenOutline
 from la_core.text_table import number_text, place_text
 
 MOST_NAMED = 3  # open outlines that a sentence names
@@ -54,12 +54,18 @@ def unseen_words(ignored: Mapping[str, int]) -> list[str]:
 
 
 def lacking_words(ignored: Mapping[str, int]) -> list[str]:
-    """Sentences on what a drawing shows in a CAD program and does not hold itself; parameter as of `unseen_words`."""
+    """Sentences on stones that other programs may show and that are not read or stand elsewhere; parameter as of `unseen_words`."""
     told = []
     if elsewhere := ignored.get(ELSEWHERE, 0):
         told.append(f"{ELSEWHERE} are not read ({elsewhere}); bind these external references into the drawing")
     if missing := ignored.get(MISSING, 0):
         told.append(f"{MISSING} show nothing ({missing}); save the drawing again with all its blocks")
+    if absent := ignored.get(ABSENT, 0):
+        told.append(f"copies by <use> of what the file does not hold show nothing ({absent}); save the drawing again with all its parts")
+    if moved := ignored.get(REFERENCE, 0):
+        told.append(f"{REFERENCE} are not read ({moved}), so copies of these symbols may stand beside their places; unlink them")
+    if areas := ", ".join(f"{ignored[kind]} {kind}" for kind in AREAS if kind in ignored):
+        told.append(f"entities that may be stones are not read ({areas}); where they are, draw them as closed polylines")
     return told
 
 

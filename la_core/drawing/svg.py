@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from la_core.drawing.outlines import HIDDEN, Drawn
+from la_core.drawing.outlines import ABSENT, HIDDEN, REFERENCE, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
 from la_core.drawing.svg_styles import UNREAD, Paint, StyleSheet, is_zero, sheet_of
@@ -30,7 +30,6 @@ MOST_GROWN = 10_000_000  # characters of all entities where they are used
 XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
-REFERENCE = "refX or refY of symbols"  # kind of copies that such a point would move
 GLYPH = re.compile(r"#(glyph-?|font_)\d+[-_]\d+")  # link to the shape of a letter, as pdftocairo, Inkscape and MuPDF name it
 LETTERS = "letters of texts"  # kind of copies of such shapes
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
@@ -169,7 +168,7 @@ class _Reader:
             return
         original = self.named.get(link[1:]) if link.startswith("#") else None
         if original is None:
-            self.drawn.ignore("use")
+            self.drawn.ignore(ABSENT)
             return
         x, y = (here.viewport.length(use.get(name, "0"), f"a <use> with {name}", name) for name in "xy")
         matrix = here.matrix @ np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])

@@ -105,6 +105,17 @@ def test_every_command_warns_of_what_the_file_does_not_hold(in_other_file: bool,
     assert any(warning.startswith(f'drawing "wall.dxf": {words}; ') for warning in load_scene(tmp_path / "wall.toml").warnings)
 
 
+def test_every_command_warns_of_what_may_be_a_stone_and_is_not_read(tmp_path: Path) -> None:
+    document = with_insert()
+    document.modelspace().add_mline([(0, 0), (500, 0)])
+    document.modelspace().add_3dface([(0, 0), (500, 0), (500, 300), (0, 300)])
+    document.modelspace().add_hatch()
+    document.saveas(tmp_path / "wall.dxf")
+    (tmp_path / "wall.toml").write_text(scene_from_file(tmp_path / "wall.dxf", tmp_path), encoding="utf-8")
+    warnings = " ".join(load_scene(tmp_path / "wall.toml").warnings)
+    assert 'drawing "wall.dxf": entities that may be stones are not read (1 MLINE, 1 3DFACE); ' in warnings
+
+
 def test_the_clip_path_of_an_insert_is_counted() -> None:
     document = with_insert()
     clip = XClip(next(iter(document.modelspace())))

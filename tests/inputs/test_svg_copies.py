@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from la_core.drawing import Drawn, read_outlines, svg
+from la_core.drawing import Drawn, lacking_words, read_outlines, svg
 
 NAMES = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
 PAGE = 'width="2000mm" height="1500mm" viewBox="0 0 2000 1500"'
@@ -125,6 +125,13 @@ def test_a_point_that_would_move_a_symbol_is_counted() -> None:
     drawn = read('<symbol id="s" refX="250"><rect width="500" height="250"/></symbol><use href="#s"/><use href="#s" display="none"/>')
     assert drawn.outlines[0].points[:, 0].min() == pytest.approx(0.0)
     assert drawn.ignored == {"refX or refY of symbols": 1, "hidden entities": 1}
+
+
+def test_what_copies_lack_is_told() -> None:
+    drawn = read('<symbol id="s" refX="250"><rect width="500" height="250"/></symbol><use href="#s"/><use href="other.svg#stone"/>')
+    absent, moved = lacking_words(drawn.ignored)
+    assert absent.startswith("copies by <use> of what the file does not hold show nothing (1); ")
+    assert moved.startswith("refX or refY of symbols are not read (1), so copies of these symbols may stand beside their places; ")
 
 
 def test_a_copy_within_its_original_is_refused() -> None:
