@@ -27,9 +27,10 @@ from la_core.measures import mechanism
 from la_core.model import Assembly, JointStiffness
 
 LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts as sliding
-SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in a mechanism
-# The same for the search: the bound is off by about this share. Shipped scenes without sliding have 5e-8 at most, by rounding errors.
-SEARCHED_SHARE = 1e-5
+SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in the mechanism of a prediction
+# The same in an associated mechanism: the bound is off by about this share. Shipped scenes without sliding have 5e-8 at most, by
+# rounding errors.
+ASSOCIATED_SHARE = 1e-5
 SLIGHT_WORK = 1e-3  # of the elastic energy at rest or now, whichever is larger: less work of friction on the way changes no force
 SAME_VALUE = 1e-3  # of the value: for elastic joints this close to the bound their strain does not matter
 VISCOSITY = 1e-2  # at the start of the search
@@ -94,7 +95,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
     if not assembly.points.friction.any():
         reason = "joints without friction slide without dilating, so the associated answer is Coulomb's"
         return Sliding(False, reason, "associated")
-    if slides_in_mechanism(assembly, associated, SEARCHED_SHARE):
+    if slides_in_mechanism(assembly, associated):
         return Sliding(True, f"{_sliding_joint(assembly, associated)} slides in the mechanism")
     start = time.perf_counter()
     weaker = replace(assembly, points=replace(assembly.points, friction=LESS_FRICTION * assembly.points.friction))
@@ -103,14 +104,11 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
     return Sliding(slides, reason, seconds=time.perf_counter() - start, solves=iterations)
 
 
-def slides_in_mechanism(assembly: Assembly, solution: Solution, least: float = SLIDING_SHARE) -> bool:
-    """Whether loaded joints slide in the mechanism of a solution; none does where the support leaves alone and no block moves.
-
-    least: share of the exchanged power that friction takes where joints slide.
-    """
+def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
+    """Whether loaded joints slide in an associated mechanism; none does where the support leaves alone and no block moves."""
     if solution.status is not Status.SOLVED or not mechanism.moving(assembly, solution.twists).any():
         return False
-    return mechanism.sliding_share(assembly, solution.twists, solution.forces) > least
+    return mechanism.sliding_share(assembly, solution.twists, solution.forces) > ASSOCIATED_SHARE
 
 
 def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solution) -> tuple[bool, str, int]:

@@ -8,6 +8,8 @@ import scenes
 from coulomb_problems import problem
 from reduced_models import SOLVER, arch, with_friction
 
+from comparison.judge.checks.answer import check_expected
+from comparison.verdict import Verdict
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.prediction import _without_history
 from la_core.analysis.stage import analyse
@@ -54,6 +56,15 @@ def test_a_joint_that_slides_with_little_friction_slides(friction: float) -> Non
     answer = analyse(scene)
     assert answer.assembly.effects.friction == "coulomb" and answer.coulomb is not None
     assert answer.coulomb.value == pytest.approx(scene.weight / 3.0, rel=1e-6)
+    assert answer.sharp.coulomb is None  # the bound for sharp edges is off by as much
+
+
+@pytest.mark.parametrize("friction", [0.003, 0.01, 0.02])
+def test_a_right_value_is_met_with_little_friction(friction: float) -> None:
+    """Statics says half of the weight; the bound for sharp edges, which dilates, is not taken for the prediction."""
+    expected = {"reaction_over_weight": 0.5, "tolerance": 1e-6, "kind": "exact"}
+    (check,) = check_expected(analyse(variant("two_blocks", {"joint.friction": friction, "expected": expected})))
+    assert check.verdict is Verdict.EXPECTED_MET
 
 
 @pytest.mark.parametrize("name", WITH_SLIDING)
