@@ -12,7 +12,7 @@ from comparison.judge import refuses_setting
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, notes_of, stored_report, write_pdf, write_report
 from comparison.run_folder import HEAD
-from comparison.verdict import Verdict
+from comparison.verdict import UNCONFIRMED, Verdict
 
 
 def conclude(
@@ -88,7 +88,7 @@ def lines_below(comparison: dict[str, Any], is_tried_again: bool = False) -> Ite
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):
         yield f"second attempt with finer settings; the first one, {first['scene']}, was {first['verdict']}."
-    if comparison.get("next_step") and not is_tried_again:
+    if comparison.get("next_step") and not is_tried_again and comparison["verdict"] not in UNCONFIRMED:
         yield f"next: {comparison['next_step']}"
 
 

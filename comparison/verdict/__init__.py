@@ -2,7 +2,7 @@
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within, without_contradiction
 from comparison.verdict.check_table import Checks
-from comparison.verdict.conclusion import BEARS_NOTHING, CARRIED_OUT, HARDER, Conclusion, conclusion, named_blocks
+from comparison.verdict.conclusion import BEARS_NOTHING, CARRIED_OUT, HARDER, UNCONFIRMED, Conclusion, conclusion, named_blocks
 from comparison.verdict.terminal_table import new_table, plain
 from comparison.verdict.verdict_table import ANSWERS, VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
@@ -11,6 +11,7 @@ __all__ = [
     "BEARS_NOTHING",
     "CARRIED_OUT",
     "HARDER",
+    "UNCONFIRMED",
     "VERDICTS",
     "VERDICT_HEADINGS",
     "Check",

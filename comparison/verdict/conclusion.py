@@ -10,6 +10,7 @@ from comparison.verdict.check import SEVERE, Check, Verdict, overall
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
 HARDER = "`crosscheck run --try-harder` does this."
+BOTH_METHODS = "Let YADE confirm it: `crosscheck run` without `--no-yade`."
 TRIED = "This run had the finer settings of a second attempt already. Compare the scene with its source, or model a smaller part."
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
@@ -31,6 +32,7 @@ BEARS_NOTHING = (
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
 )
 CARRIED_OUT = ("plateau", "no plateau", "collapsed")  # statuses of a run of YADE that came to its end
+UNCONFIRMED = ("", None, Verdict.EXPECTED_MET)  # of limit analysis alone: its mark says what comes next; "" in the cell of a table
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.UNEXPECTED: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
@@ -45,7 +47,7 @@ class Conclusion:
     reason : str
         Why, in sentences; "" where both methods agree.
     next_step : str
-        What a user can do next; "" only where both methods agree or nothing was compared.
+        What a user can do next; "" only where both methods agree.
     remarks : tuple of str
         Notes of the passed checks, such as stick-slip.
     """
@@ -103,7 +105,7 @@ def conclusion(
         return Conclusion(verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
     if yade is None:
         met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
-        return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), "", remarks)
+        return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), BOTH_METHODS, remarks)
     return Conclusion(Verdict.AGREE if checks else None, "", "", remarks)
 
 

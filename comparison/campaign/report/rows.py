@@ -27,7 +27,7 @@ from comparison.campaign.row_values import (
 )
 from comparison.campaign.table import CampaignTable
 from comparison.numbers import DASH, format_number, interval_words, share_of, small_number, with_uncertainty
-from comparison.verdict import ANSWERS, VERDICTS, Verdict
+from comparison.verdict import ANSWERS, UNCONFIRMED, VERDICTS
 from la_core.text_table import exists
 
 MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
@@ -70,7 +70,7 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
         "share": share_of(apart, row[predicted], 3) if comparable else DASH,
         "deviation": small_number(deviation(row), 1.0),
         "reason": row.get("reason") or "",
-        "is_said": row.get("verdict") in ("", None, Verdict.EXPECTED_MET),  # by the verdict's own words
+        "is_said": row.get("verdict") in UNCONFIRMED,  # by the verdict's own words
     }
 
 

@@ -18,7 +18,7 @@ from comparison.judge import (
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
-from comparison.verdict import Check, Verdict
+from comparison.verdict import UNCONFIRMED, Check, Verdict
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
 from la_core.limit import Status
@@ -69,7 +69,7 @@ def execute(context: Context) -> int:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
     concluded = conclusion_of(analysis, [*checks, *check_answer(analysis)], None)
-    if concluded.next_step:  # one method alone has nothing more to say about its own answer
+    if concluded.verdict not in UNCONFIRMED:  # one method alone has nothing more to say about its own answer
         is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
         words = "" if is_said else f"{concluded.reason}\n"
         context.narrate(f"{words}next: {concluded.next_step}")

@@ -30,11 +30,10 @@ from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
 from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
-from comparison.verdict import Verdict, mark_of
+from comparison.verdict import UNCONFIRMED, mark_of
 from la_core.errors import SceneError, extra_hint
 from la_core.side_by_side import cores
 
-NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
 MOST_WARNINGS = 10  # on a terminal
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
@@ -107,7 +106,9 @@ def show(table: CampaignTable, context: Context) -> None:
     if len(table.rows) > MOST_SHOWN:
         out.print(f"and {len(table.rows) - MOST_SHOWN} more", markup=False)
     for row in table.rows:
-        if row["reason"] and (row["state"] == "failed" or row["verdict"] not in NOTHING_TO_ADD):
+        if row["state"] != "failed" and row["verdict"] in UNCONFIRMED:
+            continue  # the mark in the table says it already
+        if row["reason"]:
             context.tell(f"{row['case']}: {row['reason']}")
         if row.get("next_step"):
             context.tell(f"{row['case']}: next: {row['next_step']}")
