@@ -1,6 +1,7 @@
 """What users may type, write and read since version 0.2.0 is still there: the contract may grow, nothing in it may go or change."""
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,10 @@ from typing import Any
 import pytest
 from contract_list import contract
 
-BEFORE = json.loads((Path(__file__).parent / "helpers" / "contract.json").read_text(encoding="utf-8"))
+TESTS = Path(__file__).parent
+BEFORE = json.loads((TESTS / "helpers" / "contract.json").read_text(encoding="utf-8"))
+JSON_PAGE = TESTS.parent / "comparison" / "json.md"
+TOLD_IN_ONE_ROW = ("effects.table", "expected", "structure", "files", "limit_analysis.coulomb.curve")  # objects of the page of JSON keys
 
 
 def missing(before: Any, now: Any, where: str) -> Iterator[str]:
@@ -39,3 +43,26 @@ def test_the_comparison_of_contracts_sees_what_is_gone_and_what_changed() -> Non
     assert list(missing(before, {**before, "verbs": {}}, "all")) == ["all: verbs: run"]
     assert list(missing(before["exit codes"], {"agree": 1}, "exit codes")) == ["exit codes: agree: 0 is now 1"]
     assert list(missing(before["case.h5"], {"scene/name": "f8, "}, "case.h5"))
+
+
+def keys_on_the_page() -> Iterator[str]:
+    """Dotted keys of the tables of the page; a heading in code names the object that its table tells of."""
+    path = ""
+    for line in JSON_PAGE.read_text(encoding="utf-8").splitlines():
+        if line.startswith("#"):
+            path = "".join(f"{name}." for name in re.findall(r"^#+ `([\w.]+)`", line))
+        elif key := re.match(r"\| `(\w+)` \|", line):
+            yield path + key[1]
+
+
+def row_of(key: str) -> str:
+    """The row that tells of a key: multipliers share that of reactions, and the measures of all mechanisms one table."""
+    whole = [one for one in TOLD_IN_ONE_ROW if key.startswith(f"{one}.") or key.startswith(f"{one}[")]
+    key = re.sub(r"^(mechanism_measures)\.\w+", r"\1", (whole or [key.replace("[]", "")])[0])
+    return re.sub(r"^(limit_analysis\.\w+)\.multiplier", r"\1.reaction", key)
+
+
+def test_every_key_of_the_json_is_on_its_page_and_no_other(today: dict[str, Any]) -> None:
+    rows = {row_of(key) for keys in (today["comparison.json"], *today["solve --json"].values()) for key in keys}
+    values = {row for row in rows if not any(other.startswith(f"{row}.") for other in rows)}
+    assert sorted(keys_on_the_page()) == sorted(row for row in values if not row.endswith("shared_inset"))  # which has the same keys again
