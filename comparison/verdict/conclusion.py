@@ -47,7 +47,7 @@ class Conclusion:
     reason : str
         Why, in sentences; "" where both methods agree.
     next_step : str
-        What a user can do next; "" only where both methods agree.
+        What a user can do next; "" only where both methods agree or nothing was compared.
     remarks : tuple of str
         Notes of the passed checks, such as stick-slip.
     """
@@ -105,7 +105,7 @@ def conclusion(
         return Conclusion(verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
     if yade is None:
         met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
-        return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), BOTH_METHODS, remarks)
+        return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), BOTH_METHODS if met else "", remarks)
     return Conclusion(Verdict.AGREE if checks else None, "", "", remarks)
 
 
