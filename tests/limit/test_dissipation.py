@@ -119,6 +119,23 @@ def test_real_friction_dissipates_without_dilating() -> None:
     assert measures.dissipated_power == pytest.approx(0.3 * assembly.weight)
 
 
+@pytest.mark.parametrize(("sinks", "exchanged"), [(0.2, 0.2), (-0.2, 0.2), (0.0, mechanism.LEAST_EXCHANGE)])
+def test_friction_has_its_share_of_the_power_that_the_weights_exchange(sinks: float, exchanged: float) -> None:
+    """mu W |u_t| over W |v_z|, sinking or rising; level, over the least power that counts."""
+    assembly, twists, forces = dragged(0.3)
+    twists[assembly.blocks.free, 2] = -sinks
+    assert mechanism.friction_power(assembly, twists, forces) == pytest.approx(0.3 * assembly.weight)
+    share = mechanism.sliding_share(assembly, twists, forces)
+    assert share == pytest.approx(0.3 / exchanged)
+    assert mechanism.sliding_share(assembly, -7.0 * twists, 5.0 * forces) == pytest.approx(5.0 * share)
+
+
+def test_no_friction_works_in_a_joint_in_tension_or_at_rest() -> None:
+    assembly, twists, forces = dragged(0.3)
+    assert mechanism.friction_power(assembly, twists, -forces) == 0.0
+    assert mechanism.sliding_share(assembly, 0.0 * twists, forces) == 0.0
+
+
 @pytest.mark.parametrize("count", [1, 2, 7, 169])
 def test_participation_counts_the_interfaces_that_share_equally(count: int) -> None:
     interfaces = 169
