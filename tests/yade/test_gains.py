@@ -74,6 +74,26 @@ def test_a_heavy_block_that_swings_where_it_stands_hardly_counts() -> None:
     assert np.mean(counted[10:]) < 0.15
 
 
+class TwoBlocks:
+    """A light block moves by 1 m within the first second, then stands; a heavy one moves by 1 m in every later second."""
+
+    masses = np.array([9.0, 1.0])
+    time = 0.0
+
+    def along(self, name: str) -> np.ndarray:
+        """Places; as speeds those that show the weight of the light block."""
+        return np.array([max(self.time - 1.0, 0.0), min(self.time, 1.0)] if name == "pos" else [0.0, 1.0])
+
+
+def test_the_weights_of_the_servo_follow_the_motion_of_whole_windows() -> None:
+    """Before the end of the first window both blocks count by their mass, in the second the light one alone; then m v = 4.5 beside 0.25."""
+    servo, blocks, counts = Servo(0.0, 1.0, 0.0, 0.0, 1, window=1.0), TwoBlocks(), []
+    servo.start(blocks)
+    for blocks.time in (0.3, 0.9, 1.0, 1.5, 1.9, 2.0):
+        counts.append(-servo.measured(blocks.time, blocks))  # of the dashpot alone: a point at rest, less the speed that it feels
+    assert counts == pytest.approx([0.1, 0.1, 1.0, 1.0, 1.0, 0.25 / 4.75])
+
+
 def test_the_damper_takes_its_share_of_a_swing_and_forgets_over_a_period_of_the_sag() -> None:
     """Of a damping ratio of 0.5 a swing's velocity falls by exp(-w t); its mean follows within a period 2 pi / w."""
     inertia: Any = SimpleNamespace(tensor=np.eye(3)[None], mass=np.array([1.0]))
