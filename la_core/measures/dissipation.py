@@ -76,8 +76,8 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
     threshold : float
         Contact points are at rest up to this share of `mechanism.fastest_speed`.
     """
-    known = bool(np.isfinite(twists).all() and np.isfinite(forces).all())
     states = contact_states(assembly, twists, forces, threshold)
+    known = not np.any(states == ContactState.UNKNOWN)
     dissipation = interface_dissipation(assembly, twists, forces, states)
     total, settling = float(dissipation.sum()), 0.0 if assembly.has_live_load else settling_power(assembly, twists, threshold)
 

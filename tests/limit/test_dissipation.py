@@ -244,10 +244,15 @@ def test_elastic_creep_below_the_threshold_is_rest() -> None:
     assert set(seen[below].tolist()) == {ContactState.SLIDING}
 
 
-def test_without_a_mechanism_everything_is_undefined() -> None:
-    assembly = assemble(scenes.shipped("two_pads"))
-    nothing = np.full((len(assembly.blocks), 6), np.nan)
-    measures = measure(assembly, nothing, np.full((len(assembly.points), 3), np.nan))
+@pytest.mark.parametrize("undefined", ["twists", "forces", "both"])
+def test_one_undefined_number_leaves_everything_undefined(undefined: str) -> None:
+    assembly, solution = solved(scenes.shipped("two_pads"))
+    twists, forces = solution.twists.copy(), solution.forces.copy()
+    if undefined != "forces":
+        twists[0, 3] = np.nan
+    if undefined != "twists":
+        forces[-1, 1] = np.nan
+    measures = measure(assembly, twists, forces)
     assert set(measures.states.tolist()) == {ContactState.UNKNOWN}
     numbers = [value for name, value in vars(measures).items() if name != "states"]
     assert all(np.isnan(value).all() for value in numbers)
