@@ -128,6 +128,7 @@ def test_friction_has_its_share_of_the_power_that_the_weights_exchange(sinks: fl
     share = mechanism.sliding_share(assembly, twists, forces)
     assert share == pytest.approx(0.3 / exchanged)
     assert mechanism.sliding_share(assembly, -7.0 * twists, 5.0 * forces) == pytest.approx(5.0 * share)
+    assert np.isnan(measure(assembly, twists, forces).dissipated_share)  # the load does the work, whether the weights sink or not
 
 
 def test_no_friction_works_in_a_joint_in_tension_or_at_rest() -> None:
