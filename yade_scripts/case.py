@@ -282,14 +282,14 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError(f"contacts/inset: every entry must be greater than 0 and at most the inset of the scene, {case.inset} m")
     if len(case.free) == 0:
         raise CaseError("blocks/role: no free block, nothing to simulate")
+    if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
+        raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
     _refuse_undriven(case)
     if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
         given = f"displacement is {case.displacement!r} and recording {case.recording!r}"
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
     if not np.all(np.isfinite(case.mass[case.free]) & (case.mass[case.free] > 0.0)):
         raise CaseError("blocks/mass: every free block needs a finite mass greater than 0")
-    if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
-        raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
     for name in ("applied_load", "live_load"):
         load = getattr(case, name)
         if not np.all(np.isfinite(load)) or np.any(load[case.role != FREE]):
