@@ -42,13 +42,14 @@ def joints_of(scene: Scene) -> list[dict[str, Any]]:
 def test_eccentricity_is_the_share_of_the_way_to_the_edge(turn: int) -> None:
     """A triangle and a rectangle of 2 x 4 m, with corners about the normal and against it, and an interface without force."""
     triangle, rectangle = [(0, 0, 0), (3, 0, 0), (0, 3, 0)][::turn], [(0, 0, 5), (0, 4, 5), (0, 4, 7), (0, 0, 7)][::turn]
-    corners = np.array([*triangle, *rectangle, *rectangle, *rectangle], dtype=float)
+    away = np.array([7.0, -3.0, 2.0])  # from the origin, which does not matter
+    corners = away + np.array([*triangle, *rectangle, *rectangle, *rectangle], dtype=float)
     normal, start = np.array([[0, 0, 1], [1, 0, 0], [1, 0, 0], [1, 0, 0]], dtype=float), np.array([0, 3, 7, 11, 15])
     one = np.ones(4, dtype=int)
     assembly: Any = SimpleNamespace(interfaces=Interfaces(0 * one, one, normal, one.astype(float), corners, start))
     # Half way from the centroid (1, 1) to the hypotenuse; a quarter of 2 m beside the middle; on an edge.
     centre = np.array([[1.25, 1.25, 0], [0, 2.5, 6], [0, 2.5, 5], [np.nan] * 3])
-    assert eccentricity(assembly, centre) == pytest.approx([0.5, 0.25, 1.0, np.nan], abs=1e-12, nan_ok=True)
+    assert eccentricity(assembly, away + centre) == pytest.approx([0.5, 0.25, 1.0, np.nan], abs=1e-12, nan_ok=True)
 
 
 def test_an_arch_turns_in_four_hinges_at_its_edges() -> None:
