@@ -106,6 +106,18 @@ def test_both_methods_find_the_power_of_supports_that_turn(name: str, tmp_path: 
         assert found / scene.weight == pytest.approx(exact, rel=PER_MILLE)
 
 
+def test_the_last_zone_that_names_a_support_gives_its_share() -> None:
+    """A support that no zone names takes the whole settlement; a zone names every support that one of its patterns chooses."""
+    for zones, sinks in (
+        ([(["pad 0", "pad 1"], 0.5)], [0.5, 0.5, 1.0]),
+        ([(["pad 0", "pad 1"], 0.5), (["pad 1", "pad 2"], 0.25)], [0.5, 0.25, 0.25]),
+        ([(["*"], 0.5), (["pad 2"], -1.0)], [0.5, 0.5, -1.0]),
+    ):
+        scene = beam(zone=[{"blocks": names, "ratio": ratio} for names, ratio in zones])
+        assert scene.support_twists is not None
+        assert_allclose(scene.support_twists, np.outer([*sinks, 0.0], [*DOWN, 0.0, 0.0, 0.0]))
+
+
 @pytest.mark.parametrize("top", [-3.0, 0.7, 50.0])
 def test_a_profile_means_the_same_at_every_height(top: float) -> None:
     """Tops of supports sink straight down, wherever z = 0 is; else friction under them would depend on it."""
