@@ -145,6 +145,16 @@ def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -
     assert residuals.cone_violation(assembly, forces) == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.0, -1.0)])
+def test_forces_that_balance_a_share_of_the_live_load_have_it_as_multiplier(direction: tuple[float, float, float]) -> None:
+    """Weight and three tenths of the load, which may lift or press the block as well as push it."""
+    parts = scenes.box("base", (-1.0, 0.0, -0.2), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
+    assembly = assemble(scenes.build(*parts, live=direction))
+    on_base = (np.array([0.0, 0.0, -1.0]) + 0.3 * np.array(direction)) * assembly.weight / len(assembly.points)
+    forces = np.where(assembly.blocks.free[assembly.contact_blocks[0]][:, None], on_base, -on_base)  # on block b
+    assert residuals.multiplier(assembly, forces) == pytest.approx(0.3)
+
+
 def test_the_residuals_of_undefined_forces_and_motions_are_undefined() -> None:
     """One undefined number among defined ones: a residual of 0 would pass every tolerance."""
     assembly = assemble(scenes.shipped("two_pads"))
