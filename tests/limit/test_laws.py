@@ -132,7 +132,12 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
     assembly = assemble(scene)
     sinking = np.zeros((len(scene.blocks), 6))
     sinking[scene.blocks.free, 2] = -1.0
-    assert residuals.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)
+    assert residuals.flow_rule_violation(assembly, sinking) == residuals.penetration(assembly, sinking) == pytest.approx(1.0)
+    assert residuals.flow_rule_violation(assembly, -sinking) == residuals.penetration(assembly, -sinking) == 0.0  # it lifts off
+    sliding = np.zeros_like(sinking)
+    sliding[scene.blocks.free, 0] = 5.0
+    assert residuals.flow_rule_violation(assembly, sliding) == pytest.approx(1e3 / np.hypot(1.0, 1e3))
+    assert residuals.penetration(assembly, sliding) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("options", [{"friction": 0.0}, {"friction": 0.6}, {"model": "none-slides"}])
