@@ -150,6 +150,29 @@ def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -
     assert residuals.cone_violation(assembly, forces) == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(("options", "excess"), [({"friction": 0.0}, 0.9), ({"friction": 0.6}, 0.3), ({"model": "none-slides"}, 0.0)])
+def test_one_force_beyond_its_friction_counts_by_what_is_beyond(options: dict[str, Any], excess: float) -> None:
+    """Nine tenths of its normal force across, beside points without force; where sliding is excluded nothing is beyond."""
+    scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), **options)
+    assembly = assemble(scene)
+    forces = np.zeros((len(assembly.points), 3))
+    forces[0] = assembly.mean_weight * (assembly.normal[0] + [0.9, 0.0, 0.0])
+    assert residuals.cone_violation(assembly, forces) == pytest.approx(excess)
+
+
+@pytest.mark.parametrize(("plane", "across"), [(True, 0.0), (False, 0.2)])
+def test_a_force_across_the_plane_is_out_of_balance_in_space_alone(plane: bool, across: float) -> None:
+    """The base carries the block and pushes it across by a fifth of its weight, a quarter of a metre below its centroid.
+
+    The moment over the mean size of a block, 1.5 m / sqrt(3), is less than the force.
+    """
+    scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), plane=plane)
+    assembly = assemble(scene)
+    forces = np.sign(assembly.normal[:, 2:]) * [0.0, 0.2, 1.0] * assembly.weight / len(assembly.points)
+    assert residuals.equilibrium_residual(assembly, forces) == pytest.approx(across, abs=1e-12)
+    assert residuals.equilibrium_residual(assembly, 0.0 * forces) == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.0, -1.0)])
 def test_forces_that_balance_a_share_of_the_live_load_have_it_as_multiplier(direction: tuple[float, float, float]) -> None:
     """Weight and three tenths of the load, which may lift or press the block as well as push it."""
