@@ -149,7 +149,33 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
     run.poses.displacement[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, :3]
     run.poses.rotation[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, 3:]
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "mechanism similarity")
-    assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+    assert check.verdict is Verdict.AGREE and "not unique" in check.reason and not check.next_step
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.04, Verdict.AGREE), (0.06, Verdict.DISAGREE)])
+def test_a_twentieth_of_the_mass_may_move_in_one_method_only(share: float, verdict: Verdict) -> None:
+    """A light block on held ground rises in YADE as fast as a heavy one beside it sinks with its support.
+
+    Their mechanisms are alike by M^2 / (M (M + m)), which is the share of the heavy one.
+    """
+    light, gap = share / (1.0 - share), 0.5
+    boxes = [
+        scenes.box("light", (0.0, 0.0, 0.0), (light, 0.5, 0.5)),
+        scenes.box("heavy", (gap, 0.0, 0.0), (gap + 1.0, 0.5, 0.5)),
+        scenes.box("ground", (0.0, 0.0, -0.2), (light, 0.5, 0.0), "fixed"),
+        scenes.box("support", (gap, 0.0, -0.2), (gap + 1.0, 0.5, 0.0), "support"),
+    ]
+    analysis = analyse(scenes.build(*boxes, inset=0.001, reach=False))
+    run = perfect_run(analysis)
+    run.poses.displacement[:, 0, 2] = run.poses.settlement
+    found = check_run(Results(analysis, run))
+    moving = next(check for check in found if check.name == "moving blocks")
+    assert moving.verdict is verdict and (moving.difference, moving.tolerance) == pytest.approx((share, 0.05))
+    alike = next(check for check in found if check.name == "mechanism similarity")
+    assert alike.verdict is verdict
+    assert (alike.limit_analysis, alike.yade, alike.difference, alike.tolerance) == pytest.approx((1.0, 1.0 - share, -share, 0.05))
+    for check in (moving, alike):  # only what fails has a reason and a next step
+        assert bool(check.reason) is bool(check.next_step) is (verdict is Verdict.DISAGREE)
 
 
 def test_an_admissible_mechanism_that_does_other_work_disagrees() -> None:
