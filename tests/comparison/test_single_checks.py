@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import scenes
-from judged_runs import REACTION, SIMILARITY, coulomb_of, judged, named
+from judged_runs import MOVING, REACTION, SIMILARITY, coulomb_of, judged, named
 from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
 
 from comparison.judge.checks.answer import check_expected
@@ -224,6 +224,15 @@ def test_a_mechanism_that_yade_does_not_show_is_no_agreement_even_where_the_reac
     assert named(SIMILARITY, found).verdict is Verdict.INCONCLUSIVE and overall(found)[0] is Verdict.INCONCLUSIVE
 
 
+def test_a_mechanism_that_yade_does_not_show_is_not_another_one_where_no_joint_slides(pads: LimitAnalysis) -> None:
+    run = perfect_run(pads)
+    kept = dataclasses.replace(run.poses, **{name: values[[0, -1]] for name, values in vars(run.poses).items()})
+    found = judged(pads, dataclasses.replace(run, poses=kept))
+    check = named(SIMILARITY, found)
+    assert check.verdict is Verdict.INCONCLUSIVE and "fewer than two states" in check.reason and "[yade] poses" in check.next_step
+    assert not [check for check in found if check.name == MOVING]
+
+
 def test_a_sloping_plateau_and_the_way_to_it_are_no_stick_slip(wall: LimitAnalysis) -> None:
     value = coulomb_of(wall).value
     run = coulomb_run(wall, slope=0.1 * value / TRAVEL)
@@ -283,3 +292,15 @@ def test_the_multiplier_of_the_judged_states_is_the_one_that_acted_on_them() -> 
     run.record.reaction[:] = bound.value * (1.0 + 0.1 * (run.record.settlement - mean) / TRAVEL)
     assert named("balance along the mechanism", judged(analysis, run)).verdict is Verdict.AGREE
     assert Results(analysis, run).recorded.plateau_forces() == pytest.approx(bound.forces)
+
+
+def test_without_a_plateau_the_last_state_is_judged_under_its_own_multiplier() -> None:
+    """The load still rises: the last stored state is in balance under what acts at the end, and under nothing that acted before."""
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.5, 0.15, 0.7)), friction=0.9)
+    bound = analysis.bounds[Drive.LIVE]
+    run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
+    run.record.reaction[:] = bound.value * run.record.settlement / run.poses.settlement[-1]
+    run = dataclasses.replace(run, result=dataclasses.replace(run.result, status="no plateau", plateau_start=math.nan))
+    assert named("equilibrium", judged(analysis, run)).verdict is Verdict.AGREE
+    run.record.reaction[:] *= 0.9
+    assert named("equilibrium", judged(analysis, run)).verdict is Verdict.INCONCLUSIVE
