@@ -26,6 +26,8 @@ def test_a_cut_carries_the_weight_above_it(plane: bool) -> None:
     sums = section_forces.level_sums(assembly, solution.forces)
     np.testing.assert_allclose(section_forces.sums_in_equilibrium(assembly, 0.0), sums, atol=1e-6 * assembly.weight)
     assert sums == pytest.approx(np.outer([3.0, 2.0, 1.0], -assembly.down) * assembly.mean_weight, abs=1e-6 * assembly.weight)
+    on_tower = section_forces.support_force(assembly, solution.forces)
+    assert on_tower == pytest.approx(-assembly.down * assembly.weight, abs=1e-6 * assembly.weight)
 
 
 @both_models
