@@ -46,16 +46,21 @@ def test_a_cut_carries_the_push_on_what_lies_above_it_at_any_multiplier(plane: b
 
 
 @both_models
-def test_a_support_pushes_sideways_only_against_what_resists_and_no_more_than_friction(plane: bool) -> None:
-    """A wall on the left and nothing on the right: the support may push the block to the left by its friction, and not to the right."""
+@pytest.mark.parametrize("ratio", [1.0, 0.4], ids=["whole settlement", "part of it"])
+def test_a_support_pushes_sideways_only_against_what_resists_and_no_more_than_friction(ratio: float, plane: bool) -> None:
+    """A wall on the left and nothing on the right: the support may push the block to the left by its friction, and not to the right.
+
+    A support that moves by a part of the settlement has as large a part of its force as reaction.
+    """
     parts = (
         scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
         scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"),
         scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
     )
-    assembly = assemble(scenes.build(*parts, friction=0.5, plane=plane))
+    settlement = {"direction": scenes.DOWN, "zone": [{"blocks": ["base"], "ratio": ratio}]}
+    assembly = assemble(scenes.build(*parts, friction=0.5, plane=plane, settlement=settlement))
     weight = assembly.weight
-    limits = section_forces.support_force_range(assembly, X, weight, SLACK * weight)
+    limits = section_forces.support_force_range(assembly, X, ratio * weight, ratio * SLACK * weight)
     assert limits == pytest.approx((-0.5 * weight, 0.0), abs=2.0 * SLACK * weight)
-    against_x = section_forces.support_force_range(assembly, -X, weight, SLACK * weight)
+    against_x = section_forces.support_force_range(assembly, -X, ratio * weight, ratio * SLACK * weight)
     assert against_x == pytest.approx((-limits[1], -limits[0]), abs=1e-5 * weight)
