@@ -10,7 +10,7 @@ import scenes
 from comparison.judge import conclusion_of
 from comparison.verdict import Verdict
 from la_core.analysis.stage import analyse
-from la_core.limit import associated
+from la_core.limit import associated, share_of_free_fall
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
@@ -238,3 +238,24 @@ def test_a_structure_that_stands_with_sharp_edges_alone_says_so() -> None:
     assert concluded.verdict is Verdict.CANNOT_STAND
     assert "where edges are rounded by 1 mm" in concluded.reason and "With sharp edges the structure stands." in concluded.reason
     assert "edge of some joint" in concluded.next_step
+
+
+# --- how fast it falls -------------------------------------------------------------------------------------------------------
+
+
+def test_a_block_between_smooth_walls_falls_freely() -> None:
+    walls = [scenes.box(name, (x, 0.0, 0.0), (x + 1.0, 1.0, 1.0), role) for name, x, role in (("a", -1.0, "support"), ("b", 1.0, "fixed"))]
+    scene = scenes.build(*walls, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=0.0, plane=True)
+    assert share_of_free_fall(assemble(scene)) == pytest.approx(1.0, rel=1e-6)
+
+
+@both_models
+@pytest.mark.parametrize("beyond", [0.5, 0.01])
+def test_a_block_that_tips_falls_by_what_its_centroid_is_beyond_the_edge(beyond: float, plane: bool) -> None:
+    """About the edge its centroid sinks by its distance from it, and its farthest corner moves by its own."""
+    pad, lying = 1.0, (2.0 * (1.0 + beyond), 0.4)  # length and height of the block, whose end is 1 m inside of the edge
+    held = scenes.box("pad", (-pad, 0.0, -0.2), (0.0, 1.0, 0.0), "support")
+    block = scenes.box("block", (-1.0, 0.0, 0.0), (lying[0] - 1.0, 1.0, lying[1]))
+    farthest = np.hypot(lying[0] - 1.0, lying[1])
+    assembly = assemble(scenes.build(held, block, friction=0.6, plane=plane))
+    assert share_of_free_fall(assembly) == pytest.approx(beyond / farthest, rel=1e-5)
