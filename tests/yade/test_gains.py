@@ -104,6 +104,14 @@ def test_the_damper_takes_its_share_of_a_swing_and_forgets_over_a_period_of_the_
     assert damper.renewed == pytest.approx(1.0 - math.exp(-elapsed / (2.0 * math.pi)))
 
 
+@pytest.mark.parametrize("plane", [True, False])
+def test_the_damper_changes_angular_momenta_in_space_alone(plane: bool) -> None:
+    inertia: Any = SimpleNamespace(tensor=np.eye(3)[None], mass=np.array([1.0]))
+    case = case_of()
+    case.plane = plane
+    assert swing_damper(case, settings_of(), inertia, [None]).turns_by_momentum is not plane
+
+
 def test_a_quick_attempt_is_followed_by_one_at_the_run_s_own_speed_which_takes_longer_over_the_settlement_alone() -> None:
     found = expected_steps(case_of(), settings_of(wedging=1e-4), 2.0)
     assert found.resting == pytest.approx((RESTING * 0.3 + 0.01) / 1e-6)
