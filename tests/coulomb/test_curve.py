@@ -35,6 +35,16 @@ def test_a_plateau_states_its_change_and_its_scatter_without_a_stray_jump() -> N
     assert found.scatter == pytest.approx(0.001)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("share", "scatter"), [(0.04, 0.001), (0.06, 0.1)])
+def test_what_strays_over_a_twentieth_of_the_last_quarter_scatters(share: float, scatter: float, sign: float) -> None:
+    """Upwards or downwards; less is a jump in progress."""
+    progress = np.linspace(0.0, 1.0, 10_001)
+    strays = (progress > 0.9) & (progress <= 0.9 + 0.25 * share)
+    found = plateau.plateau_of(progress, 0.2 + sign * np.where(strays, 0.1, 0.001), 1.0, 0.2)
+    assert found.scatter == pytest.approx(scatter)
+
+
 def test_a_curve_changes_from_its_second_quarter_to_its_second_half_and_scatters_over_its_last_quarter() -> None:
     progress = np.linspace(0.0, 1.0, 1001)
     values = np.select([progress <= 0.25, progress <= 0.5, progress <= 0.75], [7.0, 0.3, 0.22], 0.2)
@@ -83,7 +93,8 @@ def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.M
 @pytest.mark.parametrize(("doubts", "is_left"), [
     ((1e-3, 9e-3), False),  # three times the doubt and more, but still known to 1 %
     ((1e-3, 2e-2), True),
-    ((9e-3, 2e-2), False),  # less than three times the doubt
+    ((9e-3, 2.65e-2), False),  # less than three times the doubt
+    ((9e-3, 2.75e-2), True),
     ((1e-3, np.nan), True),
 ])  # fmt: skip
 def test_a_plateau_is_left_where_the_doubt_has_grown(doubts: tuple[float, float], is_left: bool) -> None:
