@@ -1,5 +1,7 @@
 """Dead loads at points, on lines and on areas have closed forms, and equal ones are equal however they are given."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scenes
@@ -11,6 +13,7 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
 OWN = 2000.0 * 9.81 * 0.3  # N, weight of the beam
+SPIRE = scenes.block("beam", prism=(((0.0, 0.0), (1.0, 0.0), (0.5, 1000.0)), (0.0, 1.0)))  # so steep that no face faces up
 
 
 @pytest.mark.parametrize(("place", "size"), [(0.7, 1000.0), (0.35, 2.5e4), (1.0, 4000.0)])
@@ -112,6 +115,28 @@ def test_a_fill_over_two_rings_lies_on_the_outer_one() -> None:
     with pytest.raises(SceneError, match="choose the blocks of one level, or of the outermost ring"):
         loaded("arch *")
     assert loaded("arch 2.*").loads.mass.sum() == pytest.approx(100.0 * 3.0 * 2.2)
+
+
+def test_a_mass_on_each_block_lies_on_both_rings() -> None:
+    """It asks for no face: only loads for each metre or square metre do."""
+    arch = scenes.arch(16, 0.2, depth=3.0).replace("thickness", "rings = 2\nthickness")
+    assert scenes.build(arch, load(blocks=["arch *"], mass=100.0)).loads.mass.tolist() == [100.0] * 32
+
+
+@pytest.mark.parametrize(
+    ("blocks", "given", "told"),
+    [
+        (BEAM, {"per": "m", "start": (0.0, 1.5), "to": (1.0, 1.5)}, "from: no top face of the chosen blocks lies under the line"),
+        ((*BEAM[:2], SPIRE), {"per": "m2"}, "blocks: no top face of the chosen blocks faces up"),
+        ((*BEAM[:2], SPIRE), {"per": "m2", "blocks": [], "region": {"from": (0.0, 0.0, 0.0), "to": (1.0, 1.0, 900.0)}},
+         "region: no top face of the chosen blocks faces up"),
+    ],
+    ids=["a line beside the blocks", "a spire", "a spire in a region"],
+)  # fmt: skip
+def test_a_load_that_no_face_carries_is_refused(blocks: tuple[str, ...], given: dict[str, Any], told: str) -> None:
+    """Else it would be a load of nothing."""
+    with pytest.raises(SceneError, match=told):
+        scenes.build(*blocks, load(mass=100.0, **given))
 
 
 def test_a_floor_on_a_course_with_a_leaning_face_acts_on_its_bed_joint() -> None:
