@@ -51,7 +51,7 @@ _NEXT_STEP = {  # by the number of a system's error
     errno.EPERM: _OTHER_FOLDER,
     errno.EFBIG: "raise the limit on the size of files (`ulimit -f`), or write to a disk that takes larger ones",
     errno.EMFILE: "raise the limit on open files (`ulimit -n`)",
-    errno.ENAMETOOLONG: "choose a shorter name with -o, or rename the file",
+    errno.ENAMETOOLONG: "choose a shorter name, or rename the file",
     errno.ELOOP: "a link leads to itself; delete it, or choose another folder with -o",
     errno.EISDIR: "a folder stands where a file is needed; delete or rename it",
 }

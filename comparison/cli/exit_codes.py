@@ -1,5 +1,6 @@
 """Exit codes of the contract; a command that fails ends with one message on stderr."""
 
+import errno
 import io
 import os
 import sys
@@ -45,6 +46,8 @@ def code_of(command: Callable[[], int]) -> int:
 
 
 def _code(error: BaseException) -> int:
+    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:  # no disk has such a name: it was given wrongly
+        return USAGE
     codes = {CannotStandError: CANNOT_STAND, SceneError: USAGE, KeyboardInterrupt: INTERRUPTED}
     return next((code for kind, code in codes.items() if isinstance(error, kind)), TOOL)
 

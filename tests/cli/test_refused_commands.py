@@ -20,6 +20,15 @@ def test_a_name_that_no_file_can_have_is_a_slip_of_the_user(verb: str, capsys: p
     assert "cannot be read: File name too long; give the path of a" in said and len(said) < 300
 
 
+@pytest.mark.parametrize(
+    "words",
+    ["report LONG", "compare LONG LONG", "run two_pads --no-yade -q -o LONG", "tutorial pads -q -o LONG", "show two_pads -q -o LONG.png"],
+)
+def test_a_folder_or_file_whose_name_no_disk_takes_is_a_slip_of_the_user(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words.replace("LONG", "x" * 300).split()) == 2
+    assert "File name too long; choose a shorter name" in capsys.readouterr().err
+
+
 def test_what_names_nothing_is_not_taken_for_the_current_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
