@@ -132,6 +132,7 @@ CHANGED = {
     "bool for a number": (("= 0.6", "= true"), "joint.friction = true: must be a number"),
     "text for a coordinate": (("0.2, 0.5]", '0.2, "0.5"]'), "block \"block\".box.to[2] = '0.5': must be a number"),
     "number for a name": (('name    = "block"', "name = 3"), "block[2].name = 3: must be text in quotes"),
+    "blank name": (('name    = "block"', 'name = "   "'), "name = '   ': must not be blank"),
     "number for a table": (
         (
             "[stone]\ndensity = 2000.0",

@@ -45,6 +45,8 @@ LONGEST_NAME = 200  # characters
 def _is_one_line(text: str) -> str:
     if "\n" in text:
         raise ValueError("must be one line")
+    if text.isspace():
+        raise ValueError("must not be blank: tables and messages would show nothing")
     return text
 
 
