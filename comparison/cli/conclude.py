@@ -35,9 +35,12 @@ def conclude(
         if not comparisons:  # the report of earlier results stays where none can be read
             continue
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
-        page = write_report(folder, comparisons, describe(), head, unread)
+        try:
+            page = write_report(folder, comparisons, describe(), head, unread)
+        finally:  # a full disk takes no verdict away, for all results are stored by now
+            if not as_json:
+                _print_verdicts(comparisons, again, context)
         if not as_json:
-            _print_verdicts(comparisons, again, context)
             out.print(f"report: {os.path.relpath(page)}", markup=False)
         if getattr(context.options, "pdf", False):
             pdf = write_pdf(page)

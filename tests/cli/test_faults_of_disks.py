@@ -72,6 +72,35 @@ def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
     assert files == 8  # scene, case, figure, view, comparison, three reports
 
 
+def test_a_disk_that_fills_up_at_the_report_takes_no_verdict_away(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """All results are stored by then, and the user waited for the verdict."""
+
+    def full(folder: Path, *_: object) -> Path:
+        raise OSError(28, os.strerror(28), str(folder / "report.html"))
+
+    monkeypatch.setattr("comparison.cli.conclude.write_report", full)
+    assert main(["run", "two_pads", "-o", str(tmp_path), "--no-yade", "-q"]) == TOOL
+    told = capsys.readouterr()
+    assert "expected value met" in told.out and "report:" not in told.out
+    one_message(told.err, "report.html: No space left on device")
+
+
+@pytest.mark.parametrize(("option", "word"), [("-q", "Coulomb, elastic joints"), ("--json", '"trials"')])
+def test_a_disk_that_fills_up_at_the_figure_of_a_study_takes_no_number_away(
+    option: str, word: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(_: object, path: Path) -> None:
+        raise OSError(28, os.strerror(28), str(path))
+
+    monkeypatch.setattr("comparison.cli.study_verbs.sensitivity.save", full)
+    assert main(["sensitivity", "two_pads", "-o", str(tmp_path / "figure.png"), "-q", option]) == TOOL
+    told = capsys.readouterr()
+    assert word in told.out
+    one_message(told.err, "figure.png: No space left on device")
+
+
 def limited(size: int) -> dict[str, Any]:
     """Options of a process whose files cannot grow larger; Python would leave its compiled modules cut off where all look for them."""
     return {

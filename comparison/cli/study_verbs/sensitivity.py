@@ -19,11 +19,14 @@ def execute(context: Context) -> int:
     figure = options.output or Path(f"{scene.name}-sensitivity.png")
     with Narration(context.narrator) as narration:
         result, references = study_sensitivity(scene, narration)
-    save(sensitivity_figure(result, references), figure)
-    if options.json:
-        context.print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
-    else:
-        context.table(sensitivity.sensitivity_table(result, references), CAN_GO)
+    try:
+        save(sensitivity_figure(result, references), figure)
+    finally:  # a full disk takes no numbers away, which are stored nowhere
+        if options.json:
+            context.print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
+        else:
+            context.table(sensitivity.sensitivity_table(result, references), CAN_GO)
+    if not options.json:
         if len({f"{trial.value:.4g}" for trial in result.trials}) == 1:
             context.tell("Every run gives the same value: no joint slides while the support moves. `wall_third` shows a difference.")
         context.narrator.print(f"drawn in {figure}", markup=False)
