@@ -1,6 +1,7 @@
 """Last step of `crosscheck run` and `crosscheck report`: write the reports, print the verdicts, choose the exit code."""
 
 import os
+import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL, USAGE
 from comparison.judge import refuses_setting
+from comparison.numbers import plural
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, notes_of, stored_report, write_pdf, write_report
 from comparison.run_folder import HEAD
@@ -46,11 +48,19 @@ def conclude(
             pdf = write_pdf(page)
             if not as_json:
                 out.print(f"report: {os.path.relpath(pdf)}", markup=False)
+        _tell_of_others(folder, {comparison["scene"] for comparison in comparisons}.union(unread), context)
         deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
         codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=SEVERITY.index, default=AGREE)
+
+
+def _tell_of_others(folder: Path, covered: set[str], context: Context) -> None:
+    """Say how many scenes of earlier runs in a folder its report does not have, and how to have them all."""
+    if others := {path.parent.name for path in folder.glob("*/comparison.json")} - covered:
+        missing = f"{plural(len(others), 'other scene')} in {folder} {'is' if len(others) == 1 else 'are'} not in this report"
+        context.narrate(f"{missing}: `crosscheck report {shlex.quote(str(folder))}` makes one of all")
 
 
 def _print_verdicts(comparisons: list[dict[str, Any]], again: set[str], context: Context) -> None:

@@ -120,3 +120,17 @@ def test_a_limit_of_a_second_attempt_asks_for_one(
     monkeypatch.setattr("comparison.cli.scene_verbs.run.try_harder", lambda *given: asked.append(given[-1]))
     assert main(["run", "two_pads", "-o", str(tmp_path), "--no-yade", "-q", *words]) == 0
     assert asked == seconds
+
+
+def test_a_report_that_lacks_scenes_of_an_earlier_run_says_how_to_have_them_all(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both runs write the report of one folder, each of its own scenes."""
+    out = tmp_path / "all mine"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
+    assert "other scene" not in capsys.readouterr().err
+    assert main(["run", "two_blocks", "-o", str(out), "--no-yade"]) == 0
+    assert f"1 other scene in {out} is not in this report: `crosscheck report '{out}'` makes one of all" in capsys.readouterr().err
+    assert main(["report", str(out)]) == 0
+    assert "other scene" not in capsys.readouterr().err
+    assert {one["scene"] for one in json.loads((out / "report.json").read_text())["comparisons"]} == {"two_pads", "two_blocks"}
