@@ -3,7 +3,7 @@
 from comparison.judge import requested_accuracy
 from comparison.judge.checks.answer import check_answer, check_expected
 from comparison.judge.checks.curves import compare_curves
-from comparison.judge.checks.next_steps import for_a_failed_run, refuses_setting
+from comparison.judge.checks.next_steps import INTERRUPTED_RUN, for_a_failed_run, refuses_setting
 from comparison.judge.checks.prediction import slides_unforeseen
 from comparison.judge.checks.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.checks.run_checks import check_run
@@ -24,6 +24,7 @@ from comparison.judge.summary import (
 
 __all__ = [
     "FLOOR",
+    "INTERRUPTED_RUN",
     "LEAST_REACTION",
     "METHODS",
     "UNCERTAIN",

@@ -10,6 +10,7 @@ from typing import Any
 
 from comparison import provenance
 from comparison.judge import (
+    INTERRUPTED_RUN,
     check_answer,
     check_expected,
     check_run,
@@ -136,7 +137,12 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
 
 
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
-    """Return the summary of YADE, requested or not, in a folder without its run; one that was stored there is lost."""
+    """Return the summary of YADE, requested or not, in a folder without its run; one that was stored there is lost.
+
+    A run that has begun leaves its log, and no comparison before its end.
+    """
+    if yade is None and (folder / "yade.log").is_file() and not (folder / "comparison.json").exists():
+        return without_run("failed", f"{INTERRUPTED_RUN}, so nothing can be compared")
     if yade is None or yade["status"] in ("missing", "failed"):
         return yade
     return without_run("failed", f"{folder / 'run.h5'}: the record of YADE's run is missing, so nothing can be compared")

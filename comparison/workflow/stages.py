@@ -102,6 +102,7 @@ def yade_stage(
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
             listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
 
+        (folder / "comparison.json").unlink(missing_ok=True)  # of earlier results, or of limit analysis alone
         run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:

@@ -59,6 +59,23 @@ def test_an_interruption_ends_yade_and_the_next_call_goes_on(
     assert answer(out) == answer(undisturbed)
 
 
+def test_a_report_tells_an_interrupted_run_of_yade_from_one_that_nobody_asked_for(
+    plain_figures: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Results of limit analysis alone, from before, do not hide it; those from after it stand for themselves."""
+    out, scene = tmp_path / "out", str(endless(tmp_path))
+    assert main(["run", scene, "-o", str(out), "-q", "--no-yade"]) == 0
+    assert stopped_by(signal.SIGINT, out, in_yade(out), 0.3, scene)[0] == INTERRUPTED
+    capsys.readouterr()
+    for _ in range(2):
+        assert main(["report", str(out), "-q"]) == TOOL
+        told = " ".join(capsys.readouterr().out.split())
+        assert "YADE's run was interrupted" in told and "next: Run the scene again" in told and "doctor" not in told
+    assert main(["run", scene, "-o", str(out), "-q", "--no-yade"]) == 0
+    assert main(["report", str(out), "-q"]) == 0
+    assert "interrupted" not in capsys.readouterr().out
+
+
 def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path) -> None:
     """The moment is when its own entry point has taken over from Python."""
     (tmp_path / "comparison").mkdir()

@@ -32,6 +32,8 @@ COME_TO_REST = (
     "Give YADE more time to come to rest ([yade] gravity_time), or leave out keys of the scene's [yade] table that delay rest, such as "
     "gravity_ramp."
 )
+INTERRUPTED_RUN = "YADE's run was interrupted"  # begins the reason of such a run
+GO_ON = "Run the scene again: limit analysis is stored, and YADE begins anew."
 CHANGE_SETTING = "Change this key of the scene's [yade] table, or leave it out, so that it is derived; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
@@ -95,6 +97,8 @@ def refuses_setting(reason: str) -> bool:
 
 def for_a_failed_run(reason: str) -> str:
     """Return what to do where YADE's process failed for this reason."""
+    if reason.startswith(INTERRUPTED_RUN):
+        return GO_ON
     return CHANGE_SETTING if refuses_setting(reason) else REPAIR_YADE
 
 
