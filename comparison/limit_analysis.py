@@ -24,7 +24,7 @@ class Listener(AnalysisListener, Protocol):
 
 
 def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
-    """Return limit analysis, stored or new, and the digest of its inputs; a new one deletes `run.h5`, made from the old one.
+    """Return limit analysis, stored or new, and the digest of its inputs; a new one deletes the run made from the old one, and its log.
 
     model: of the scene. folder: of its results. listener: receives the progress.
     """
@@ -41,7 +41,8 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
     else:
         listener.stage(scene.name, "limit analysis", "running")
     analysis = _analysed(model, listener)
-    (folder / "run.h5").unlink(missing_ok=True)
+    for name in ("run.h5", "yade.log"):
+        (folder / name).unlink(missing_ok=True)
     case_file.write_case(path, analysis, inputs)
     return analysis, inputs
 

@@ -134,3 +134,12 @@ def test_a_report_that_lacks_scenes_of_an_earlier_run_says_how_to_have_them_all(
     assert main(["report", str(out)]) == 0
     assert "other scene" not in capsys.readouterr().err
     assert {one["scene"] for one in json.loads((out / "report.json").read_text())["comparisons"]} == {"two_pads", "two_blocks"}
+
+
+@pytest.mark.yade
+def test_a_changed_scene_leaves_neither_the_run_of_the_earlier_one_nor_its_log(copy: Path, tmp_path: Path, plain_figures: None) -> None:
+    path = tmp_path / "two_pads.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace("density = 2200.0", "density = 1100.0"))
+    assert (copy / "two_pads" / "yade.log").exists()
+    assert main(["run", str(path), "-o", str(copy), "--no-yade", "-q"]) == 0
+    assert not (copy / "two_pads" / "run.h5").exists() and not (copy / "two_pads" / "yade.log").exists()
