@@ -144,10 +144,14 @@ def visible(text: str) -> str:
 
 
 def printable_name(name: str) -> str:
-    """The name of a file; raises SceneError where it cannot be printed: bytes that are no text in this locale are surrogates in it."""
-    if not name.isprintable():
+    """The name of a file; raises SceneError where it cannot be printed: bytes that are no text in this locale are surrogates in it.
+
+    A name of only spaces is refused, too.
+    """
+    if name.isspace() or not name.isprintable():
         hint = OF_LOCALE if is_of_locale(name) else "rename the file"
-        raise SceneError(f'the name "{visible(name)}"', "must be printable text: results are named by it", hint=hint)
+        rule = "must be printable text and more than spaces: results are named by it"
+        raise SceneError(f'the name "{visible(name)}"', rule, hint=hint)
     return name
 
 
