@@ -204,7 +204,7 @@ def test_the_command_writes_figure_and_numbers_and_prints_both_tables(tmp_path: 
     stored = json.loads((tmp_path / "two_pads-cost.json").read_text())
     assert {one["family"] for one in stored["rungs"]} >= {"cone programme", "linearised", "inset", "contact points", "Coulomb", "path"}
     assert stored["provenance"] and (tmp_path / "two_pads-cost.png").stat().st_size > 10_000
-    assert main(["cost", "two_pads", "--no-yade", "-o", str(tmp_path), "--json"]) == 0
+    assert main(["cost", "two_pads", "two_pads", "--no-yade", "-o", str(tmp_path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["ladders"][0]["scene"] == "two_pads"
 
 

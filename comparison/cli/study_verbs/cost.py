@@ -18,7 +18,7 @@ CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a
 def execute(context: Context) -> int:
     """Run the cost study of every scene and print a table for each reference; raises SceneError."""
     options = context.options
-    scenes = [load_scene(shipped.find(name)) for name in options.scenes]
+    scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
     refuse_names(scenes)
     with Narration(context.narrator) as narration:
         ladders = [climb_and_draw(scene, options.output, not options.no_yade, narration, options.workers) for scene in scenes]
