@@ -189,6 +189,8 @@ def test_the_name_of_stored_results_alone_is_answered_with_their_folder(
     monkeypatch.setenv("CROSSCHECK_OUTPUT", "results")
     shutil.copy(shipped.find("two_pads"), "mine.toml")
     assert main(["run", "mine.toml", "--no-yade", "-q"]) == 0
+    assert main(["report", "mine.toml"]) == 2  # the scene itself
+    assert f'did you mean "{Path("results", "mine")}"?' in capsys.readouterr().err
     Path("mine.toml").unlink()
     for command in ("export", "animate", "report"):
         capsys.readouterr()

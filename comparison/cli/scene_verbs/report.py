@@ -62,7 +62,7 @@ def _refuse_without_results(folder: Path) -> NoReturn:
         _refuse_a_running_campaign(folder)
         ended = "holds a campaign that was ended before its first table"
         raise SceneError(str(folder), ended, hint="the command that began it continues from its finished cases")
-    hint = among_results(str(folder)) or "`crosscheck run SCENE` makes some"
+    hint = among_results(str(folder).removesuffix(".toml")) or "`crosscheck run SCENE` makes some"
     raise SceneError(str(folder), "holds no results of `crosscheck run`", hint=hint)
 
 
