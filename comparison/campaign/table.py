@@ -8,6 +8,7 @@ results.csv does not depend on the machine's speed or on the place of a run: two
 
 import csv
 import hashlib
+import importlib.util
 import io
 import json
 from collections.abc import Mapping
@@ -96,7 +97,7 @@ def read_table(folder: Path) -> CampaignTable:
 def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
     """Write all forms of the table into its folder; each file is replaced as a whole.
 
-    parquet: also write Parquet files.
+    parquet: also write Parquet files; those that are there are kept up to date in any case.
     """
     write_tables(table, parquet)
     stored = {word: getattr(table, word) for word in WORDS}
@@ -111,8 +112,11 @@ def write_tables(table: CampaignTable, parquet: bool = False) -> None:
     rows = {"results": table.rows, "costs": table.costs}
     for name, of_table in columns.items():
         write_text(table.folder / f"{name}.csv", _csv(list(of_table), rows[name]))
-        if parquet:
-            write_whole(table.folder / f"{name}.parquet", _parquet(of_table, rows[name]))
+        place = table.folder / f"{name}.parquet"
+        if parquet or (place.is_file() and importlib.util.find_spec("pyarrow")):
+            write_whole(place, _parquet(of_table, rows[name]))
+        else:  # pandas would read the rows of an earlier campaign
+            place.unlink(missing_ok=True)
     _write_hdf5(table.folder / "campaign.h5", columns, rows)
 
 

@@ -81,6 +81,22 @@ def test_the_classic_iteration_s_answer_is_that_of_the_sensitivity_study_and_its
         assert (row["classic_status"], row["classic_iterations"]) == (trial.status.value, trial.iterations)
 
 
+def test_tables_for_pandas_are_never_those_of_an_earlier_campaign(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from pyarrow import parquet
+
+    out = tmp_path / "out"
+    found = run(sweep('vary = { "joint.friction" = [0.3, 0.6] }', "two_blocks"), out)
+    assert not list(out.glob("*.parquet"))
+    table.write_campaign(found, parquet=True)
+    run(sweep('vary = { "joint.friction" = [0.5] }', "two_blocks"), out)
+    assert parquet.read_table(out / "results.parquet").column("joint.friction").to_pylist() == [0.5]
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)  # nothing can write them any more
+    table.write_campaign(found)
+    assert not list(out.glob("*.parquet"))
+
+
 def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: None) -> None:
     out = tmp_path / "out"
     found = run(sweep('vary = { "joint.friction" = [0.3, 0.6], "effects.plane" = ["auto", true] }', "two_blocks"), out)
