@@ -9,7 +9,7 @@ import numpy as np
 import pydantic
 
 from la_core.errors import SceneError, printable_name
-from la_core.geometry import ROLES, Blocks, Held, shapes
+from la_core.geometry import ROLES, Blocks, Held
 from la_core.pictures import picture
 from la_core.repair import Repairs
 from la_core.scene import reading
@@ -22,11 +22,10 @@ from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.support_motion import faults_of_settlement, own_twists, support_twists
 from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
-from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, gathered, repaired
+from la_core.scene.scene_blocks import Tables, checked_blocks
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.loads import JointFriction
 from la_core.scene.schema.motion import support_twist, unit_vector
-from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
@@ -241,18 +240,7 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False, 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
     printable_name(name)
     tables = Tables(file, path.parent)
-    if len(tables.named) > MOST_BLOCKS:
-        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
-    if faults := tables.faults or list(faults_of_sense(tables, file)):
-        raise joined(faults, counted)
-    names = [one.name for one in tables.named]
-    try:
-        named, repairs = repaired(tables.named, file)
-        shapes.refuse_slivers(names, [one.shape for one in named])
-    except SceneError as error:
-        raise with_lines(error, counted, names, tables.places) from error
-    stones = densities(named, file)
-    blocks, floor_mass = gathered(named, stones)
+    blocks, stones, floor_mass, repairs = checked_blocks(tables, file, counted)
     gravity = np.array(file.gravity)
     tilt = unit_vector(file.tilt.axis) if file.tilt else None
     if faults := [*faults_of_loads(file, blocks), *faults_of_settlement(file, blocks)]:

@@ -17,11 +17,11 @@ from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
-from la_core.scene.line_numbers import KeyPath
+from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.loads.tilt import faults_of_tilt
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import MOST_BLOCKS
-from la_core.scene.validation import Fault
+from la_core.scene.validation import Fault, joined
 
 LEAST_TOLERANCE = 1e-4  # m: where open joints are closed without a stated tolerance
 WHERE_A_SUPPORT_IS = (
@@ -159,6 +159,28 @@ def _faults_of_density(tables: Tables, file: scene_file.SceneFile) -> Iterator[F
             told.add(place)
             hint = "give it one, or give all blocks one by [stone] density"
             yield place, str(SceneError(f'block "{one.name}": density', "missing", hint=hint))
+
+
+def checked_blocks(
+    tables: Tables, file: scene_file.SceneFile, counted: str
+) -> tuple[Blocks, list[float | None], np.ndarray | None, Repairs | None]:
+    """Blocks of all tables, their densities without what they carry, the mass of floors on each, and the repairs of the geometry.
+
+    Raises SceneError with every fault. counted: text of the file, whose lines messages name; "" without one.
+    """
+    if len(tables.named) > MOST_BLOCKS:
+        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
+    if faults := tables.faults or list(faults_of_sense(tables, file)):
+        raise joined(faults, counted)
+    names = [one.name for one in tables.named]
+    try:
+        named, repairs = repaired(tables.named, file)
+        shapes.refuse_slivers(names, [one.shape for one in named])
+    except SceneError as error:
+        raise with_lines(error, counted, names, tables.places) from error
+    stones = densities(named, file)
+    blocks, floor_mass = gathered(named, stones)
+    return blocks, stones, floor_mass, repairs
 
 
 def densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
