@@ -75,31 +75,10 @@ def common_planes(
     closed : (L,) array of bool
         Pairs that now lie on one plane.
     """
-    members = np.unique(np.concatenate([pairs.face_a, pairs.face_b, pairs.aligned.ravel(), twins.ravel()]))
-    groups = {
-        face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), face_areas(parts)[members], strict=True)
-    }
-    place = np.arange(len(parts.face_normal))  # group of each face, named by its first one
-    side = np.ones(len(place))  # sign of the normal of each face in the direction of its group's
-
-    def join(face: int, other: int, sums: tuple[float, np.ndarray, np.ndarray], opposite: bool) -> bool:
-        number, merged = int(place[face]), int(place[other])
-        one, two = groups[number], groups[merged]
-        sign = float(side[face] * side[other]) * (-1.0 if opposite else 1.0)
-        if one is two:
-            return sign > 0.0
-        joined = _joined(one, two, sums)
-        if joined is None:
-            return False
-        groups[number] = joined
-        del groups[merged]
-        place[two.faces] = number
-        side[two.faces] *= sign
-        return True
-
+    groups = _Groups(parts, np.unique(np.concatenate([pairs.face_a, pairs.face_b, pairs.aligned.ravel(), twins.ravel()])), limit)
     nothing = (0.0, np.zeros(3), np.zeros((3, 3)))
     for face, other in twins.tolist():
-        join(face, other, nothing, opposite=False)
+        groups.join(face, other, nothing, opposite=False)
     closed = np.zeros(len(pairs), dtype=bool)
     is_idle = np.zeros(len(pairs), dtype=bool) if idle is None else idle
     left = np.lexsort((-pairs.area, np.floor(pairs.angle / SAME_ANGLE)))
@@ -109,18 +88,55 @@ def common_planes(
             share = pairs.area[k] / len(points)
             sums = (float(pairs.area[k]), share * points.sum(axis=0), share * points.T @ points)
             sums = nothing if is_idle[k] else sums
-            closed[k] = join(int(pairs.face_a[k]), int(pairs.face_b[k]), sums, opposite=True)
+            closed[k] = groups.join(int(pairs.face_a[k]), int(pairs.face_b[k]), sums, opposite=True)
         if not closed[left].any() or closed.all():
             break
         left = left[~closed[left]]
     for face, other in pairs.aligned.tolist():
-        join(face, other, nothing, opposite=True)
-    normal, offset = parts.face_normal.copy(), parts.face_offset.copy()
-    for group in groups.values():
-        if len(group.faces) > 1:
-            signs = side[group.faces]
-            normal[group.faces], offset[group.faces] = signs[:, None] * group.normal, signs * group.offset
-    return normal, offset, closed
+        groups.join(face, other, nothing, opposite=True)
+    return *groups.planes(), closed
+
+
+class _Groups:
+    """Groups of faces while they are joined; each has the number of one of its faces.
+
+    members: faces (M,) that may be joined, each a group of its own at first. limit: as for `common_planes`.
+    """
+
+    def __init__(self, parts: Blocks, members: np.ndarray, limit: np.ndarray) -> None:
+        areas = face_areas(parts)[members]
+        self._parts = parts
+        self._groups = {face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), areas, strict=True)}
+        self._place = np.arange(len(parts.face_normal))  # group of each face
+        self._side = np.ones(len(self._place))  # sign of the normal of each face in the direction of its group's
+
+    def join(self, face: int, other: int, sums: tuple[float, np.ndarray, np.ndarray], opposite: bool) -> bool:
+        """Join the groups of two faces where they have a common plane, and return whether the faces lie on one as they should.
+
+        sums: those of the points half way between the faces. opposite: whether their normals point against each other.
+        """
+        number, merged = int(self._place[face]), int(self._place[other])
+        one, two = self._groups[number], self._groups[merged]
+        sign = float(self._side[face] * self._side[other]) * (-1.0 if opposite else 1.0)
+        if one is two:
+            return sign > 0.0
+        joined = _joined(one, two, sums)
+        if joined is None:
+            return False
+        self._groups[number] = joined
+        del self._groups[merged]
+        self._place[two.faces] = number
+        self._side[two.faces] *= sign
+        return True
+
+    def planes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the unit normal (F, 3) of every face and the offset (F,) of its plane; a face that was joined to none keeps its own."""
+        normal, offset = self._parts.face_normal.copy(), self._parts.face_offset.copy()
+        for group in self._groups.values():
+            if len(group.faces) > 1:
+                signs = self._side[group.faces]
+                normal[group.faces], offset[group.faces] = signs[:, None] * group.normal, signs * group.offset
+        return normal, offset
 
 
 def _single(parts: Blocks, face: int, area: float, limit: float) -> Group:
