@@ -135,7 +135,9 @@ def _slip(error: Any) -> str:
     plain, unit = number[1].replace(",", "."), number[2].strip()
     if error["loc"][-1] == "friction" and unit.startswith(("deg", "°")):
         return f"the friction of {plain} degrees is the tangent of this angle, {math.tan(math.radians(float(plain))):.3f}"
-    return f"write the number alone, without quotes{' and unit' if unit else ''}: {plain}"
+    if unit:
+        return f"write the number alone, without quotes and unit: {plain}; all numbers are in SI units (m, kg, N, s)"
+    return f"write the number alone, without quotes: {plain}"
 
 
 def _is_of_a_type(step: str | int) -> bool:

@@ -135,6 +135,7 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
         ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is the tangent of this angle, 0.700"),
         ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),
+        ("= 2200.0", '= "2.2 t/m3"', "without quotes and unit: 2.2; all numbers are in SI units (m, kg, N, s)"),
         ("= 2200.0", '= "2200 kg/m3"', "write the number alone, without quotes and unit: 2200"),
         ("= 2200.0", '= "2200,5"', "write the number alone, without quotes: 2200.5"),
         ("[1.0, 0.2, 0.5]", "[1,0, 0,2, 0,5]", "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"),
