@@ -69,9 +69,10 @@ def _at_inset(scene: Scene, assembly: Assembly, sharp: Assembly) -> StructuralMo
 
 
 def _refuse_a_long_step(scene: Scene, sag: float) -> None:
-    """Raise SceneError for a time step of YADE that is longer than the structure's swing, the slowest one; sag: m, NaN where unknown.
+    """Raise SceneError for a time step of YADE that is longer than the period in which the structure swings on its joints.
 
-    The longest stable step belongs to the fastest swing and is shorter still; only YADE's process knows it, after limit analysis.
+    The longest stable step is shorter still, because the fastest swing of a block decides it; only YADE's process knows it, after limit
+    analysis. sag: largest displacement under the weights, m; NaN where it is unknown.
     """
     softest = min(1.0, scene.yade.get("stiffening", 1.0))
     period = 2.0 * math.pi * math.sqrt(sag / softest / np.linalg.norm(scene.gravity))
