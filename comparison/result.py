@@ -67,7 +67,7 @@ class Result(Tabled):
 
     @property
     def next_step(self) -> str:
-        """What to do next, in sentences; "" where both methods agree, or where nothing was compared."""
+        """What to do next, in sentences with commands of the shell; "" where both methods agree, or where nothing was compared."""
         return str(self._summary.get("next_step") or "")
 
     @property

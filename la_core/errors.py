@@ -99,7 +99,8 @@ def seconds_or_none(where: str, value: Any) -> float | None:
     """The value of an argument that must be a positive number of seconds, or None; raises SceneError for any other."""
     if value is None:
         return None
-    if not isinstance(value, numbers.Real) or isinstance(value, bool) or not 0.0 < float(value) < math.inf:
+    too_large = isinstance(value, int) and value > sys.float_info.max
+    if not isinstance(value, numbers.Real) or isinstance(value, bool) or too_large or not 0.0 < float(value) < math.inf:
         raise SceneError(where, "must be a positive number of seconds, or None", value=value)
     return float(value)
 
@@ -171,4 +172,7 @@ def shortened(text: str, limit: int = 80) -> str:
 
 
 def _short(value: object) -> str:
-    return shortened(str(value).lower() if isinstance(value, bool) else repr(value))
+    try:
+        return shortened(str(value).lower() if isinstance(value, bool) else repr(value))
+    except ValueError:  # Python prints no integer of thousands of digits
+        return "an integer of thousands of digits"

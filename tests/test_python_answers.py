@@ -141,6 +141,10 @@ def test_what_holds_arrays_shows_itself_in_one_line() -> None:
     answer = la_core.solve(la_core.load("two_pads"))
     assert repr(answer.analysis).startswith("<LimitAnalysis of two_pads: solved, bound 363.297, prediction 363.297 N")
     assert "\n" not in repr(answer.analysis) + repr(answer.scene.blocks) and len(repr(answer.scene.blocks)) < 200
+    analysis = answer.analysis
+    assert repr(analysis.coulomb).startswith("<CoulombSolution: status solved, value 363.297, interval, twists (3, 6), forces (4, 3), ")
+    parts = (analysis.assembly, analysis.assembly.interfaces, analysis.assembly.points, analysis.at_inset, analysis.bounds)
+    assert all("\n" not in repr(part) and len(repr(part)) < 700 for part in parts)
 
 
 def test_scenes_and_answers_draw_themselves() -> None:

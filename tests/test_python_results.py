@@ -140,9 +140,11 @@ SAME_PART = {"made": dataclasses.replace, "copied": copy.deepcopy, "unpickled": 
 @pytest.mark.parametrize("same", SAME_PART.values(), ids=SAME_PART)
 def test_a_record_of_yade_cannot_be_changed(same: Callable[[Any], Any]) -> None:
     run = synthetic_run(la_core.solve("two_pads").analysis)
-    for array in (same(run.record).reaction, same(run.poses).displacement):
+    for array in (same(run.record).reaction, same(run.poses).displacement, same(run).extra_contacts):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
+    with pytest.raises(TypeError):
+        same(run).settings["speed"] = 1.0
 
 
 def test_records_of_yade_are_told_apart() -> None:
@@ -166,7 +168,7 @@ def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> N
     assert list(tmp_path.iterdir()) == [of_another]
 
 
-@pytest.mark.parametrize("seconds", [-1, 0.0, math.nan, math.inf])
+@pytest.mark.parametrize("seconds", [-1, 0.0, math.nan, math.inf, 10**400, pytest.param(10**5000, id="thousands of digits")])
 def test_a_time_limit_that_is_none_is_refused_before_anything_runs(seconds: float, tmp_path: Path) -> None:
     with pytest.raises(la_core.SceneError, match=r"time_limit = .*: must be a positive number of seconds"):
         comparison.run("two_pads", tmp_path / "results", yade=False, time_limit=seconds, quiet=True)

@@ -92,6 +92,16 @@ def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
         la_core.build({"joint": {"friction": None}})
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a Decimal has no place in a scene; give a number"):
         la_core.build({"joint": {"friction": Decimal("0.6")}})
+    with pytest.raises(la_core.SceneError, match=r"title: a bytes has no place in a scene"):
+        la_core.variant("two_pads", {"title": b"pads"})
+
+
+@pytest.mark.parametrize("digits", [400, 5000])
+def test_a_number_of_too_many_digits_is_refused_in_words(digits: int) -> None:
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction = .*: has too many digits"):
+        la_core.variant("two_pads", {"joint.friction": 10**digits})
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction = 1000.*: has too many digits"):
+        la_core.build(tomllib.loads(la_core.load("two_pads").text.replace("= 0.6", f"= {10**400}")))
 
 
 def test_a_date_of_toml_is_a_date_of_the_scene() -> None:

@@ -80,7 +80,8 @@ def read_table(folder: Path) -> CampaignTable:
     try:
         stored = json.loads(read_text(path))
     except (FileNotFoundError, NotADirectoryError) as error:
-        raise ExchangeError(f"{folder}: holds no results of `crosscheck campaign`; `crosscheck campaign FILE` makes some") from error
+        hint = "`crosscheck campaign FILE` makes some, in Python `comparison.run_campaign`"
+        raise ExchangeError(f"{folder}: holds no results of `crosscheck campaign`; {hint}") from error
     except OSError as error:
         raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run `crosscheck campaign` again") from error
     except (ValueError, RecursionError) as error:

@@ -161,7 +161,7 @@ def comparison_summary(
         "next_step": concluded.next_step,
         "remarks": list(concluded.remarks),
         "notes": notes,
-        "settings": run.settings if run else None,
+        "settings": dict(run.settings) if run else None,
     }
     return without_undefined(summary)
 

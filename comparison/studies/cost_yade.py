@@ -86,4 +86,4 @@ def run_once(
     run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
     run = read_run(folder / "run.h5", analysis.assembly)
     value = run.result.reaction if run.status == "plateau" else float("nan")
-    return MethodOutcome(value, run.status, built, run.result.seconds, run.result.uncertainty), run.settings
+    return MethodOutcome(value, run.status, built, run.result.seconds, run.result.uncertainty), dict(run.settings)

@@ -39,6 +39,7 @@ from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
 NAMED = 3  # scenes named in one message
+MAKES_RESULTS = "`crosscheck run SCENE` makes some, in Python `comparison.run`"
 INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # a YADE that is missing has written no log
 LIVE_WITHOUT_YADE = (
     "A live load is a matter of limit analysis alone, so YADE was not run."  # version 0.2.0 stored it; YADE runs live loads now
@@ -124,7 +125,7 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
             raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run the scene again")
         inside = sorted(path.parent.name for path in folder.glob("*/case.h5"))
-        hint = f"name the folder of one of its scenes: {', '.join(inside[:NAMED])}" if inside else "`crosscheck run SCENE` makes some"
+        hint = f"name the folder of one of its scenes: {', '.join(inside[:NAMED])}" if inside else MAKES_RESULTS
         raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`; {hint}")
     with alone_in(folder) if is_writable(folder) else contextlib.nullcontext():
         results = read_results(folder)

@@ -1,6 +1,7 @@
 """The record of a YADE run, as read from `run.h5`."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,16 @@ import numpy as np
 from comparison.yade.run_parts import STATUSES, Poses, RunResult, RunSeries
 from la_core import exchange
 from la_core.errors import SceneError, nearest
+from la_core.geometry import Held
 from la_core.model import Assembly
 from la_core.text_table import dataframe
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Held):
     """YADE's record of a run, read from `run.h5`; undefined numbers are NaN.
 
-    The arrays have T time samples, P stored states, B blocks and C contact points; those of `record` and `poses` are read-only.
+    The arrays have T time samples, P stored states, B blocks and C contact points; they are read-only.
     `la_core.exchange.RUN_FIELDS` lists all names, shapes and units.
 
     Attributes
@@ -31,8 +33,8 @@ class Run:
         Stored states; the first is at rest under gravity.
     extra_contacts : ndarray, shape (E, 2)
         Indices of block pairs that touched where the case lists no contact point.
-    settings : dict of str to Any
-        All settings of the run, by name.
+    settings : mapping of str to Any
+        All settings of the run, by name; read-only.
 
     Notes
     -----
@@ -45,7 +47,7 @@ class Run:
     record: RunSeries
     poses: Poses
     extra_contacts: np.ndarray
-    settings: dict[str, Any]
+    settings: Mapping[str, Any]
 
     def __repr__(self) -> str:
         """Return one line: the arrays would fill pages."""

@@ -78,7 +78,7 @@ def record_from_text(text: str) -> AccuracyRecord | None:
     return AccuracyRecord(stored["asked"], settings=stored["settings"], **attempts)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Answers(Held):
     """Bounds and prediction at one inset.
 

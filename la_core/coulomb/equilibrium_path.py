@@ -17,7 +17,7 @@ FIRST_VISCOSITY = 1e-3
 LEAST_SHARE = 1e-6  # of the weight, or a multiplier: the drag of smaller values is relative to this
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class EquilibriumPath(Held):
     """Curve of the reaction over the settlement: rest under gravity, then one point per increment.
 

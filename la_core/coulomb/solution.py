@@ -17,7 +17,7 @@ def _empty() -> np.ndarray:
     return np.zeros(0)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class CoulombSolution(Held):
     """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
 

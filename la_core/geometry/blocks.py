@@ -1,7 +1,7 @@
 """Blocks as flat arrays: vertices, faces, and their mass properties."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -173,7 +173,7 @@ class Blocks:
 class Held:
     """Base of a frozen dataclass that nobody changes in place either: its arrays and tables, and arrays of records in it, are read-only.
 
-    So they are in copies, and in what another process unpickles.
+    So they are in copies, and in what another process unpickles. With `repr=False` it shows itself in one line.
     """
 
     def __post_init__(self) -> None:
@@ -189,6 +189,19 @@ class Held:
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         self.__post_init__()
+
+    def __repr__(self) -> str:
+        """Return one line with the shape of each array: their values would fill pages."""
+        return f"<{type(self).__name__}: {', '.join(_brief(field.name, vars(self)[field.name]) for field in fields(self))}>"  # type: ignore[arg-type]
+
+
+def _brief(name: str, value: Any) -> str:
+    """A named value of a record in a few words."""
+    if isinstance(value, np.ndarray):
+        return f"{name} {value.shape}"
+    if isinstance(value, float):
+        return f"{name} {value:.6g}"
+    return f"{name} {value}" if isinstance(value, str | int) else name
 
 
 def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

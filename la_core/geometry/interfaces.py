@@ -25,7 +25,7 @@ MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and of whic
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Interfaces(Held):
     """The I interfaces of a structure as flat arrays.
 

@@ -20,7 +20,7 @@ SLIVER = 0.25  # least room of a joint over the inset
 RADIUS_HALVINGS = 20  # of the interval in which an inner radius is searched: a millionth of it is left
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactPoints(Held):
     """The C contact points of a structure as flat arrays.
 

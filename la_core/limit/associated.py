@@ -61,7 +61,7 @@ class Status(enum.StrEnum):
     FAILED = "failed"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution(Held):
     """Answer of one limit analysis with its recomputed evidence. Undefined numbers are NaN.
 

@@ -33,7 +33,7 @@ def per_length(wrenches: np.ndarray, length: float) -> np.ndarray:
     return wrenches / np.array([1.0, 1.0, 1.0, length, length, length])
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Assembly(Held):
     """Mechanical model of a scene: blocks, interfaces, contact points, dead load, and the driving motion or load.
 

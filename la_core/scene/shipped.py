@@ -40,7 +40,7 @@ def find(scene: str, folder: Path = Path()) -> Path:
     Raises SceneError where there is neither, where the system refuses to look there, as for a name that is too long, and where a name is
     that of a shipped scene and of a file in the folder.
     """
-    hint = "give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them"
+    hint = "give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them, in Python `la_core.names()`"
     if not scene:
         raise SceneError('""', "names no scene", hint=hint)
     try:
@@ -61,7 +61,7 @@ def _found(scene: str, path: Path) -> Path:
     if path.is_dir():
         raise SceneError(scene, "is a folder, not a scene file")
     guess = nearest(scene, names(), "scenes")
-    hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
+    hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them, in Python `la_core.names()`"
     raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
 
 

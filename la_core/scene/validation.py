@@ -110,6 +110,8 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     if error["type"] == "value_error":
         return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
+    if error["type"] == "float_type" and type(value) is int:
+        rule = "has too many digits"
     if isinstance(value, str):
         rule = rule.replace("entries", "characters")
     hint = (_wanted(table, error["loc"]) or _as_array(value)) if error["type"] == "tuple_type" else _slip(error)

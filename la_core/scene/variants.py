@@ -8,6 +8,7 @@ import copy
 import datetime
 import hashlib
 import re
+import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -231,9 +232,11 @@ def _plain(value: Any, key: str) -> Any:
         return _plain(value.tolist(), key)
     if isinstance(value, Mapping):
         return {str(name): _plain(item, f"{key}.{name}".removeprefix(".")) for name, item in value.items()}
+    if isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise SceneError(key, "has too many digits", value=value)
     if isinstance(value, str | bool | int | float | datetime.date | datetime.time):
         return value
-    if isinstance(value, Sequence):
+    if isinstance(value, Sequence) and not isinstance(value, bytes | bytearray):
         return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value)]
     hint = "leave out a key that has no value" if value is None else "give a number, a text, true or false, an array or a table"
     raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint=hint)

@@ -20,7 +20,7 @@ BESIDE = 1e-3  # of the length of a line: round-off of typed coordinates
 GROUND = -1  # in place of a block, where the ground holds an end of a tie
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ties(Held):
     """The T ties of a scene.
 
