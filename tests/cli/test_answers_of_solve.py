@@ -225,3 +225,12 @@ def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
     analysis = analyse(scenes.shipped("flat_arch"))
     rows = {name: value for name, value, _ in answer_rows(analysis.scene, answer_values(analysis))}
     assert rows["reaction max"] == rows["reaction max sharp"] == "no upper limit"
+
+
+def test_solve_says_that_joints_are_too_short_to_count(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An inset of 30 mm drops a third pad of 12 mm, on which the block would lean with sharp edges."""
+    third = '[[block]]\nname = "third pad"\nrole = "fixed"\nbox = { from = [0.45, 0.0, -0.1], to = [0.462, 0.2, 0.0] }\n'
+    text = shipped.load("two_pads").text.replace("friction = 0.6", "friction = 0.6\ninset = 0.03")
+    (tmp_path / "pads.toml").write_text(f"{text}\n{third}", encoding="utf-8")
+    main(["solve", str(tmp_path / "pads.toml")])
+    assert "1 joint too short to count, dropped also for sharp edges." in " ".join(capsys.readouterr().out.split())

@@ -16,6 +16,7 @@ from comparison.judge import (
     limit_analysis_values,
 )
 from comparison.limit_analysis import limit_analysis_alone
+from comparison.numbers import plural
 from comparison.progress import Narration
 from comparison.settings import load_settings
 from comparison.verdict import UNCONFIRMED, Check, Verdict
@@ -65,6 +66,8 @@ def execute(context: Context) -> int:
         _print_rest(scene, limit_analysis_values(analysis), checks, narration.has_printed_bounds, context)
         if greatest := greatest_load_summary(Results(analysis)):
             context.tell(greatest["words"])
+        if dropped := analysis.whole.slivers:
+            context.tell(f"{plural(dropped, 'joint')} too short to count, dropped also for sharp edges. A smaller inset may keep more.")
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
