@@ -233,4 +233,4 @@ def test_solve_says_that_joints_are_too_short_to_count(tmp_path: Path, capsys: p
     text = shipped.load("two_pads").text.replace("friction = 0.6", "friction = 0.6\ninset = 0.03")
     (tmp_path / "pads.toml").write_text(f"{text}\n{third}", encoding="utf-8")
     main(["solve", str(tmp_path / "pads.toml")])
-    assert "1 joint too short to count, dropped also for sharp edges." in " ".join(capsys.readouterr().out.split())
+    assert "1 joint is too short to count and dropped, also with sharp edges." in " ".join(capsys.readouterr().out.split())

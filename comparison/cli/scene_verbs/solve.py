@@ -67,7 +67,8 @@ def execute(context: Context) -> int:
         if greatest := greatest_load_summary(Results(analysis)):
             context.tell(greatest["words"])
         if dropped := analysis.whole.slivers:
-            context.tell(f"{plural(dropped, 'joint')} too short to count, dropped also for sharp edges. A smaller inset may keep more.")
+            are = f"{plural(dropped, 'joint')} {'is' if dropped == 1 else 'are'}"
+            context.tell(f"{are} too short to count and dropped, also with sharp edges. A smaller inset may keep more joints.")
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
