@@ -74,8 +74,8 @@ def _refuse_a_long_step(scene: Scene, sag: float) -> None:
     The longest stable step is shorter still, because the fastest swing of a block decides it; only YADE's process knows it, after limit
     analysis. sag: largest displacement under the weights, m; NaN where it is unknown.
     """
-    softest = min(1.0, scene.yade.get("stiffening", 1.0))
-    period = 2.0 * math.pi * math.sqrt(sag / softest / np.linalg.norm(scene.gravity))
+    softest, mass = min(1.0, scene.yade.get("stiffening", 1.0)), 1.0 + scene.yade.get("added_mass", 0.0)
+    period = 2.0 * math.pi * math.sqrt(mass * sag / softest / np.linalg.norm(scene.gravity))
     for name in ("time_step", "settling_step"):
         if scene.yade.get(name, 0.0) > period:
             rule = f"must be at most {period:.3g} s, the period in which the structure swings on its joints"

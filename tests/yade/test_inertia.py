@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,8 +16,10 @@ from hard_cases import cube_on_top, rubble, two_layers
 from hypothesis import given
 from hypothesis import strategies as st
 
+import la_core
 from comparison.cli.commands import main
 from la_core import exchange
+from la_core.analysis import structural_model
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
 from yade_scripts import case, settings
@@ -104,6 +107,15 @@ def test_the_fastest_swing_is_slower_and_the_step_longer(one: case.Case) -> None
     assert slow < 0.6 * fast
     true = dataclasses.replace(one, overrides={"added_mass": 0.0})
     assert settings.derive(one).time_step > 1.5 * settings.derive(true).time_step
+
+
+def test_a_step_that_added_mass_makes_stable_is_not_refused_before_the_run(tmp_path: Path) -> None:
+    """The swing is slower with this mass; the period of the true mass is shorter than the stable step."""
+    heavy = la_core.variant("two_pads", {"yade.added_mass": 100.0, "yade.stiffening": 1.0})
+    write_case(tmp_path / "case.h5", analyse(heavy), "")
+    stable = settings.derive(case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))).settling_step
+    model = structural_model(la_core.variant(heavy, {"yade.settling_step": stable}))
+    assert stable > 2.0 * math.pi * math.sqrt(model.stiffness.sag / 9.81)
 
 
 @given(share=st.floats(1e-3, 1.0), seed=st.integers(0, 99))
