@@ -227,10 +227,14 @@ def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
     assert rows["reaction max"] == rows["reaction max sharp"] == "no upper limit"
 
 
-def test_solve_says_that_joints_are_too_short_to_count(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """An inset of 30 mm drops a third pad of 12 mm, on which the block would lean with sharp edges."""
+@pytest.mark.parametrize(
+    ("keys", "smaller"), [("inset = 0.03", "inset"), ("inset = 0\n[geometry]\ntolerance = 0.01", "inset or tolerance of the geometry")]
+)
+def test_solve_says_that_joints_are_too_short_to_count(keys: str, smaller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An inset of 30 mm drops a third pad of 12 mm, on which the block would lean with sharp edges; so does a tolerance of 10 mm."""
     third = '[[block]]\nname = "third pad"\nrole = "fixed"\nbox = { from = [0.45, 0.0, -0.1], to = [0.462, 0.2, 0.0] }\n'
-    text = shipped.load("two_pads").text.replace("friction = 0.6", "friction = 0.6\ninset = 0.03")
+    text = shipped.load("two_pads").text.replace("friction = 0.6", f"friction = 0.6\n{keys}")
     (tmp_path / "pads.toml").write_text(f"{text}\n{third}", encoding="utf-8")
     main(["solve", str(tmp_path / "pads.toml")])
-    assert "1 joint is too short to count and dropped, also with sharp edges." in " ".join(capsys.readouterr().out.split())
+    told = f"1 joint is too short to count and dropped, also with sharp edges. A smaller {smaller} may keep more joints."
+    assert told in " ".join(capsys.readouterr().out.split())

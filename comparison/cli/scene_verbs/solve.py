@@ -68,7 +68,8 @@ def execute(context: Context) -> int:
             context.tell(greatest["words"])
         if dropped := analysis.whole.slivers:
             are = f"{plural(dropped, 'joint')} {'is' if dropped == 1 else 'are'}"
-            context.tell(f"{are} too short to count and dropped, also with sharp edges. A smaller inset may keep more joints.")
+            smaller = "inset" if scene.repairs is None else "inset or tolerance of the geometry"
+            context.tell(f"{are} too short to count and dropped, also with sharp edges. A smaller {smaller} may keep more joints.")
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
