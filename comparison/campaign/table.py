@@ -98,7 +98,7 @@ def read_table(folder: Path) -> CampaignTable:
 def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
     """Write all forms of the table into its folder; each file is replaced as a whole.
 
-    parquet: also write Parquet files; those that are there are kept up to date in any case.
+    parquet: also write Parquet files. Those that are there are kept up to date in any case, or deleted where pyarrow is missing.
     """
     write_tables(table, parquet)
     stored = {word: getattr(table, word) for word in WORDS}
@@ -114,10 +114,11 @@ def write_tables(table: CampaignTable, parquet: bool = False) -> None:
     for name, of_table in columns.items():
         write_text(table.folder / f"{name}.csv", _csv(list(of_table), rows[name]))
         place = table.folder / f"{name}.parquet"
-        if parquet or (place.is_file() and importlib.util.find_spec("pyarrow")):
+        is_there = place.is_file()
+        if parquet or (is_there and importlib.util.find_spec("pyarrow")):
             write_whole(place, _parquet(of_table, rows[name]))
-        else:  # pandas would read the rows of an earlier campaign
-            place.unlink(missing_ok=True)
+        elif is_there:  # pandas would read the rows of an earlier campaign
+            place.unlink()
     _write_hdf5(table.folder / "campaign.h5", columns, rows)
 
 

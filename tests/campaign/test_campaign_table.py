@@ -95,6 +95,9 @@ def test_tables_for_pandas_are_never_those_of_an_earlier_campaign(
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)  # nothing can write them any more
     table.write_campaign(found)
     assert not list(out.glob("*.parquet"))
+    (out / "results.parquet").mkdir()  # of the user: other programs write folders of such names
+    table.write_campaign(found)
+    assert (out / "results.parquet").is_dir()
 
 
 def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: None) -> None:
