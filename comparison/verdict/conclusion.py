@@ -10,7 +10,7 @@ from comparison.verdict.check import SEVERE, Check, Verdict, overall
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
 HARDER = "`crosscheck run --try-harder` does this."
-BOTH_METHODS = "Let YADE confirm it: `crosscheck run` without `--no-yade`."
+BOTH_METHODS = "Let YADE confirm it: `crosscheck run` or `crosscheck campaign` without `--no-yade`."
 TRIED = "This run had the finer settings of a second attempt already. Compare the scene with its source, or model a smaller part."
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
