@@ -39,6 +39,7 @@ FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
 DWG = b"AC10"  # the first bytes of a DWG file
 BINARY = b"AutoCAD Binary DXF"  # those of a binary DXF file
 CONFLICT = re.compile(r"(\w+)\(#(\w+)\) with a conflicting handle")  # an entity that ezdxf left out, in its message
+REMOVED = re.compile(r"Removed SPLINE\(#\w+\) with (invalid .*)")  # a spline that ezdxf took out, in its message
 RECOVERED = re.compile(r'value "(.*)" near line (\d+)')  # a number that ezdxf guessed, in its message
 
 
@@ -74,9 +75,11 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
 
 
 def _refuse_damage(auditor: Any) -> None:
-    """Raise ValueError where ezdxf guessed a coordinate, or left out one of two entities: stones would move or vanish."""
+    """Raise ValueError where ezdxf guessed a coordinate, took out a spline or one of two entities: stones would move or vanish."""
     from ezdxf.audit import AuditError  # noqa: PLC0415
 
+    for damage in (found[1] for found in (REMOVED.match(fix.message) for fix in auditor.fixes) if found):
+        raise ValueError(f"holds a SPLINE that cannot be read: {damage}; save it again in a CAD program")
     removed = [fix.message for fix in auditor.fixes if fix.code == AuditError.REMOVED_INVALID_DXF_OBJECT]
     for kind, handle in (found.groups() for found in map(CONFLICT.search, removed) if found):
         if kind in (*CURVES, "INSERT"):

@@ -47,6 +47,18 @@ def read(document: Drawing) -> Drawn:
     return read_outlines(".dxf", text.getvalue().encode(), None, 0.005)
 
 
+@pytest.mark.parametrize(
+    ("knots", "weights", "words"),
+    [([0, 0, 1, 1], [], "knot value count: 4 < 7"), ([0, 0, 0, 0.5, 1, 1, 1], [1, 1], "weight count: 2 != 4")],
+)
+def test_a_spline_that_lacks_knots_or_weights_does_not_vanish(knots: list[float], weights: list[float], words: str) -> None:
+    document = ezdxf.new(units=4)
+    spline = document.modelspace().add_spline(degree=2)
+    spline.control_points, spline.knots, spline.weights = [(*point, 0) for point in SQUARE], knots, weights
+    with pytest.raises(ValueError, match=f"holds a SPLINE that cannot be read: invalid {words}; save it again"):
+        read(document)
+
+
 def with_insert() -> Drawing:
     """A document in mm with an insert of a block that holds one stone."""
     document = ezdxf.new(units=4)
