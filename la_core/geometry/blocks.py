@@ -177,7 +177,8 @@ class Held:
     """
 
     def __post_init__(self) -> None:
-        records = [self, *(value for value in vars(self).values() if is_dataclass(value))]
+        others = (value for value in vars(self).values() if is_dataclass(value) and not isinstance(value, Held))  # which see to their own
+        records = [self, *others]
         for array in (value for record in records for value in vars(record).values() if isinstance(value, np.ndarray)):
             array.setflags(write=False)
         for name, table in [(name, value) for name, value in vars(self).items() if isinstance(value, dict)]:
