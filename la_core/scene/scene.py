@@ -26,6 +26,7 @@ from la_core.scene.scene_blocks import Tables, checked_blocks
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.loads import JointFriction
 from la_core.scene.schema.motion import support_twist, unit_vector
+from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
@@ -240,6 +241,8 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False, 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
     printable_name(name)
     tables = Tables(file, path.parent)
+    if len(tables.named) > MOST_BLOCKS:
+        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     blocks, stones, floor_mass, repairs = checked_blocks(tables, file, counted)
     gravity = np.array(file.gravity)
     tilt = unit_vector(file.tilt.axis) if file.tilt else None

@@ -168,8 +168,6 @@ def checked_blocks(
 
     Raises SceneError with every fault. counted: text of the file, whose lines messages name; "" without one.
     """
-    if len(tables.named) > MOST_BLOCKS:
-        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     if faults := tables.faults or list(faults_of_sense(tables, file)):
         raise joined(faults, counted)
     names = [one.name for one in tables.named]
