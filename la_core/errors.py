@@ -99,8 +99,8 @@ def seconds_or_none(where: str, value: Any) -> float | None:
     """The value of an argument that must be a positive number of seconds, or None; raises SceneError for any other."""
     if value is None:
         return None
-    too_large = isinstance(value, int) and value > sys.float_info.max
-    if not isinstance(value, numbers.Real) or isinstance(value, bool) or too_large or not 0.0 < float(value) < math.inf:
+    is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not is_number or not 0.0 < value <= sys.float_info.max:
         raise SceneError(where, "must be a positive number of seconds, or None", value=value)
     return float(value)
 

@@ -1,6 +1,5 @@
 """Model of a scene: its assemblies at the shared inset and for sharp edges, and the stiffness of its joints."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,26 +60,10 @@ def _at_inset(scene: Scene, assembly: Assembly, sharp: Assembly) -> StructuralMo
     """Model a scene with its assemblies at the shared inset and for sharp edges."""
     try:
         stiffness = joint_stiffness(assembly, scene.yade)
-        _refuse_a_long_step(scene, stiffness.sag)
     except SceneError as error:
         raise scene.located(error) from error
     assembly, least_gap = decide_dem_effects(scene, assembly, stiffness)
     return StructuralModel(scene, assembly, sharp, stiffness, least_gap)
-
-
-def _refuse_a_long_step(scene: Scene, sag: float) -> None:
-    """Raise SceneError for a time step of YADE that is longer than the period in which the structure swings on its joints.
-
-    The longest stable step is shorter still, because the fastest swing of a block decides it; only YADE's process knows it, after limit
-    analysis. sag: largest displacement under the weights, m; NaN where it is unknown.
-    """
-    softest, mass = min(1.0, scene.yade.get("stiffening", 1.0)), 1.0 + scene.yade.get("added_mass", 0.0)
-    period = 2.0 * math.pi * math.sqrt(mass * sag / softest / np.linalg.norm(scene.gravity))
-    for name in ("time_step", "settling_step"):
-        if scene.yade.get(name, 0.0) > period:
-            rule = f"must be at most {period:.3g} s, the period in which the structure swings on its joints"
-            hint = f"leave it out, and the {name} is derived from the longest stable one"
-            raise SceneError(f"yade.{name}", rule, value=scene.yade[name], hint=hint)
 
 
 def drives(scene: Scene) -> tuple[Drive, ...]:

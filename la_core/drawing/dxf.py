@@ -32,7 +32,7 @@ CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE"
 MOST_ENTITIES = 500_000
 SPLINE_FRAME = 16  # flag of the vertices of a polyline that only guide its curve
 DEEPEST = 20  # inserts within inserts
-LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve
+LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve; the most follow half a circle to FINEST of its size
 CUBIC = 3  # degree of most splines
 LARGEST = 1e12  # units of the file: extent of one entity
 FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
@@ -204,10 +204,10 @@ def _path_of(entity: Any) -> Any:
 
 
 def _is_general_spline(entity: Any) -> bool:
-    """Whether an entity is a spline that ezdxf turns into curves beside it: all but cubic ones without weights from first knot to last.
+    """Whether an entity is a spline that ezdxf does not follow exactly.
 
-    It draws a smooth curve through some points of the others, also where they have corners. One that is closed and has no beginning, it
-    follows beyond its ends.
+    ezdxf follows cubic splines without weights that begin at their first knot and end at their last. Through some points of any other it
+    draws a smooth curve, also where the spline has corners. A closed spline without a beginning it follows beyond its ends.
     """
     if entity.dxftype() != "SPLINE" or not len(entity.control_points) or not len(entity.knots):
         return False

@@ -43,7 +43,7 @@ class Paint:
     def with_given(self, given: dict[str, str]) -> "Paint":
         """The paint of an element within that gives some properties itself."""
         zero = {name for name in OPACITIES if is_zero(given.get(name, "1"))}
-        return Paint(given.get("fill") or self.fill, given.get("stroke") or self.stroke, self.clear - given.keys() | zero)
+        return Paint(given.get("fill") or self.fill, given.get("stroke") or self.stroke, self.clear.difference(given) | zero)
 
     @property
     def is_filled(self) -> bool:

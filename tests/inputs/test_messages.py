@@ -288,7 +288,6 @@ FOUND_LATE = {  # what is changed, and the beginning of the message
     "effect": ({"end": NOT_PLANE}, "line 21: effects.plane = true"),
     "setting": ({"end": "[yade]\nmax_travel = -1.0"}, "line 21: yade.max_travel"),
     "roles": ({"role": "fixed"}, "line 18: settlement: no block has the role of support"),
-    "long step": ({"end": "[yade]\ntime_step = 1.0"}, "line 21: yade.time_step = 1.0: must be at most 0.00"),
     "name": ({"more": TWICE}, 'line 17: block "stone": the name is used twice'),
     "thin": ({"more": THIN}, 'line 17: block "thin": is 1e-10 m'),
 }
