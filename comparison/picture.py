@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from comparison.figures import assembly_figure, rendered, save, scene_figures
-from comparison.run_folder import FIGURE_FORMATS, require_folder_of
+from comparison.run_folder import FIGURE_FORMATS, require_ending, require_folder_of
 from comparison.yade import Results, Run
 from la_core.analysis import Answer, decided_model
 from la_core.errors import SceneError, nearest, path_of
@@ -43,8 +43,7 @@ class Picture:
             The path has another ending, or its folder does not exist.
         """
         place = path_of("path", path)
-        if place.suffix not in FIGURE_FORMATS:
-            raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
+        require_ending(place, FIGURE_FORMATS, "a figure")
         require_folder_of(place)
         save(self.figure, place)
         return self

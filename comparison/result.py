@@ -1,6 +1,5 @@
 """Both methods from Python: run a scene or read stored results, look at the verdict, draw and report."""
 
-import base64
 import copy
 import html
 from collections.abc import Sequence
@@ -8,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from comparison.figures import Story, require_place, write_animation
+from comparison import workflow
+from comparison.figures import Story, write_animation
 from comparison.picture import Picture, draw
 from comparison.progress import narration
 from comparison.provenance import describe
-from comparison.report import export_results, predicted_value, write_report
-from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, folder_of_results, refuse_name
+from comparison.report import export_results, image_address, predicted_value, write_report
+from comparison.run_folder import MOST_FRAMES, folder_of_results, refuse_name
+from comparison.settings import HARDER_SECONDS
 from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, stored_check, verdict_cells, verdict_title
-from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
 from la_core.errors import SceneError, path_of, seconds_or_none, true_or_false, whole_number
@@ -133,10 +133,9 @@ class Result(Tabled):
         return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)
 
     def _repr_html_(self) -> str:
-        encoded = base64.b64encode(self.plot()._repr_png_()).decode()  # a later run in this folder may have replaced the stored figure
-        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">'
-        words = html.escape(f"{self.reason} {self.next_step}".strip())
-        return f"{super()._repr_html_()}\n<p>{words}</p>\n{image}"
+        drawn = image_address(self.plot()._repr_png_())  # a later run in this folder may have replaced the stored figure
+        image = f'<img alt="mechanisms" style="max-width: 100%" src="{drawn}">'
+        return f"{super()._repr_html_()}\n<p>{html.escape(f'{self.reason} {self.next_step}'.strip())}</p>\n{image}"
 
 
 def run(
@@ -145,6 +144,8 @@ def run(
     yade: bool = True,
     time_limit: float | None = None,
     quiet: bool = False,
+    try_harder: bool = False,
+    try_harder_limit: float | None = None,
 ) -> Result:
     """Run both methods on a scene and compare them, as `crosscheck run` does.
 
@@ -163,11 +164,15 @@ def run(
         Longest wall time of YADE, s. None takes the scene's setting, or 3600 s.
     quiet : bool
         Whether to write no progress to stderr.
+    try_harder : bool
+        Whether to run both methods again with finer settings, in the folder SCENE_harder, where they disagree or a question stays open.
+    try_harder_limit : float or None
+        Longest wall time of that second attempt, s, which a limit implies; None takes 900 s. One that would take longer is not begun.
 
     Returns
     -------
     Result
-        Results of both methods and the verdict.
+        Results of both methods and the verdict, of the second attempt where one was made; its summary then has `first_verdict`.
 
     Raises
     ------
@@ -183,12 +188,14 @@ def run(
     <Verdict.EXPECTED_MET: 'expected'>
     """
     limit, runs_yade, chosen = seconds_or_none("time_limit", time_limit), true_or_false("yade", yade), load(scene)
+    may_repeat, most = true_or_false("try_harder", try_harder), seconds_or_none("try_harder_limit", try_harder_limit)
     refuse_name(chosen)
-    scene_folder = folder_of_results(folder) / chosen.name
+    results = folder_of_results(folder)
     with narration(quiet) as told:
         model = structural_model(chosen)
-        summary = run_scene(model, scene_folder, told, runs_yade, limit)
-    return _result(scene_folder, summary, model.assembly.interfaces)
+        first = workflow.run_scene(model, results / chosen.name, told, runs_yade, limit)
+        again = workflow.try_harder(first, chosen, results, told, runs_yade, most or HARDER_SECONDS) if may_repeat or most else None
+    return _result(results / (again or first)["scene"], again or first, model.assembly.interfaces)
 
 
 def read(folder: Path | str) -> Result:
@@ -222,7 +229,7 @@ def read(folder: Path | str) -> Result:
     """
     place = path_of("folder", folder)
     with narration(True) as told:
-        summary = report_again(place, told)
+        summary = workflow.report_again(place, told)
     return _result(place, summary)
 
 
@@ -276,21 +283,15 @@ def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool 
         The file is an MP4, and ffmpeg is not installed.
     """
     results, frames, place = _results_of(what), whole_number("fps", fps, 1, MOST_FRAMES), path_of("path", path)
-    if place.suffix not in MOVING_FORMATS:
-        raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
-    require_place(place)
-    story, name = Story(results), results.scene.name
     with narration(quiet) as told:
-        write_animation(story, place, frames, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
+        write_animation(Story(results), place, frames, lambda k, of: told.fraction(results.scene.name, k / of, f"frame {k} of {of}"))
     return place
 
 
 def _results_of(what: Answer | Result) -> Results:
-    if isinstance(what, Answer):
-        return Results(what.analysis)
-    if isinstance(what, Result):
-        return Results(what.answer.analysis, what.yade)
-    raise SceneError("what", "must be an answer of la_core.solve or a result of comparison.run", value=type(what).__name__)
+    if not isinstance(what, Answer | Result):
+        raise SceneError("what", "must be an answer of la_core.solve or a result of comparison.run", value=type(what).__name__)
+    return Results(what.analysis) if isinstance(what, Answer) else Results(what.answer.analysis, what.yade)
 
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:

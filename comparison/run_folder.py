@@ -59,6 +59,12 @@ def folder_of_results(folder: Path | str) -> Path:
     return path
 
 
+def require_ending(path: Path, endings: tuple[str, ...], what: str) -> None:
+    """Raise SceneError for a file to write that ends otherwise; what: the file in a phrase, such as "a figure"."""
+    if path.suffix not in endings:
+        raise SceneError(str(path), f"the file name of {what} must end in {', '.join(endings[:-1])} or {endings[-1]}")
+
+
 def require_folder_of(path: Path) -> None:
     """Raise SceneError for a file to write whose folder does not exist or is a file, or in whose place a folder stands."""
     if path.parent.is_file():

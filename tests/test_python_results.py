@@ -44,6 +44,8 @@ WRONG_ARGUMENTS = {
     "a path of an animation": (lambda result: comparison.animate(result, None), "path: must be a path"),
     "no folder of an animation": (lambda result: comparison.animate(result, "nodir/x.gif"), "nodir/x.gif: its folder nodir does not"),
     "no folder of a figure": (lambda result: result.plot().save("nodir/x.png"), "nodir/x.png: its folder nodir does not exist"),
+    "a second attempt": (lambda result: comparison.run("two_pads", try_harder="no"), "try_harder = 'no': must be True or False"),
+    "its time": (lambda result: comparison.run("two_pads", try_harder_limit=0), "try_harder_limit = 0: must be a positive number"),
     "another result": (lambda result: result.report(5), "others = 'int': must be results"),
 }
 
@@ -118,6 +120,28 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     with pytest.raises(ValueError, match="one folder"):
         result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
     assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
+
+
+@pytest.mark.parametrize(
+    ("expected", "asked", "folder"),
+    [
+        (0.2, {}, "pads"),
+        (0.2, {"try_harder": True}, "pads_harder"),
+        (0.2, {"try_harder_limit": 600}, "pads_harder"),
+        (0.2, {"try_harder_limit": 1e-6}, "pads"),
+        (1.0 / 6.0, {"try_harder": True}, "pads"),
+    ],
+)
+def test_a_second_attempt_is_made_from_python_where_it_is_asked_for_and_called_for(
+    expected: float, asked: dict[str, Any], folder: str, tmp_path: Path, plain_figures: None
+) -> None:
+    scene = la_core.variant("two_pads", {"expected.reaction_over_weight": expected}, "pads")
+    result = comparison.run(scene, tmp_path, yade=False, quiet=True, **asked)
+    assert result.folder == tmp_path / folder and result.scene.name == folder
+    assert result.scene.effort == ("high" if folder == "pads_harder" else "normal")
+    first = result.summary["first_verdict"]
+    assert (first["scene"], first["verdict"]) == ("pads", "unexpected") if folder == "pads_harder" else first is None
+    assert comparison.read(tmp_path / "pads").verdict is comparison.Verdict("unexpected" if expected == 0.2 else "expected")
 
 
 def test_a_notebook_shows_the_mechanisms_of_the_result_and_not_those_of_a_later_one_in_its_folder(tmp_path: Path) -> None:

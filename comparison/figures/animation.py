@@ -18,7 +18,7 @@ from comparison.figures.reaction import draw_levels
 from comparison.figures.save import own_style
 from comparison.figures.structure import TITLE_WIDTH, legend_below, looks, wrapped
 from comparison.numbers import format_number
-from comparison.run_folder import require_folder_of
+from comparison.run_folder import MOVING_FORMATS, require_ending, require_folder_of
 from comparison.yade import Results
 from la_core.errors import CannotStandError, SceneError
 from la_core.exchange import FREE, write_whole
@@ -134,7 +134,8 @@ class GifWriter(animation.PillowWriter):
 
 
 def require_place(path: Path) -> None:
-    """Raise an error for an animation that could not be written: SceneError without its folder, FileNotFoundError without ffmpeg."""
+    """Raise an error for an animation that could not be written: SceneError for its name or folder, FileNotFoundError without ffmpeg."""
+    require_ending(path, MOVING_FORMATS, "an animation")
     require_folder_of(path)
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise FileNotFoundError(

@@ -6,7 +6,7 @@ from comparison.report.paraview import export_results
 from comparison.report.pdf import find_browser, write_pdf
 from comparison.report.plain_words import angle_words, notes_of, predicted_value
 from comparison.report.report import chosen_head, stored_report, write_report
-from comparison.report.templating import flat, template_environment
+from comparison.report.templating import flat, image_address, template_environment
 
 __all__ = [
     "angle_words",
@@ -14,6 +14,7 @@ __all__ = [
     "export_results",
     "find_browser",
     "flat",
+    "image_address",
     "notes_of",
     "predicted_value",
     "stone_density",

@@ -1,6 +1,5 @@
 """The content of one scene in the report: verdict, numbers, figures and evidence, ready for the templates."""
 
-import base64
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from comparison.numbers import (
 from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints, reactions
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import notes_of, plain_words
-from comparison.report.templating import flat
+from comparison.report.templating import flat, image_address
 from comparison.report.values import associated_of, expected_rows, range_end, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
@@ -202,8 +201,7 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
         kind = "gif" if name == "animation" else "png"
         path = folder / f"{name}.{kind}"
         if path.is_file():
-            data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
-            caption_text = caption.format(**words)
+            data, caption_text = image_address(path.read_bytes(), kind), caption.format(**words)
             yield {"name": name, "heading": heading, "caption": caption_text, "path": f"{quote(scene)}/{path.name}", "data": data}
 
 

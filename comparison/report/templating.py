@@ -1,5 +1,6 @@
-"""Templates of every report page, with all texts escaped, and nested values as pairs of name and text."""
+"""Templates of every report page, with all texts escaped, images as part of the page, and nested values as pairs of name and text."""
 
+import base64
 import functools
 import html
 import re
@@ -38,6 +39,11 @@ def markdown(text: Any) -> str:
 def with_code(text: Any) -> str:
     """Return the text escaped for HTML, with what stands between backticks, such as a command, as code; templates mark it as safe."""
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(str(text)))
+
+
+def image_address(image: bytes, kind: str = "png") -> str:
+    """Return the address (data URI) of an image that is part of the page itself; kind: its format, "png" or "gif"."""
+    return f"data:image/{kind};base64,{base64.b64encode(image).decode()}"
 
 
 def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -1,6 +1,5 @@
 """The report of a campaign: one self-contained offline HTML page, and the same as Markdown and as JSON."""
 
-import base64
 import json
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from comparison.campaign.row_groups import sweeps_of
 from comparison.campaign.row_values import compared_with, deviation, difference, failed, worst_first
 from comparison.campaign.table import CampaignTable
 from comparison.judge import without_undefined
-from comparison.report import flat, template_environment
+from comparison.report import flat, image_address, template_environment
 from comparison.run_folder import write_text
 
 ORDER = (
@@ -98,5 +97,4 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
 
 
 def _figure(drawn: Drawing) -> dict[str, str]:
-    data = base64.b64encode(drawn.content).decode()
-    return {"kind": drawn.kind, "caption": drawn.caption, "path": drawn.path, "data": f"data:image/png;base64,{data}"}
+    return {"kind": drawn.kind, "caption": drawn.caption, "path": drawn.path, "data": image_address(drawn.content)}

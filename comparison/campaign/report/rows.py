@@ -1,6 +1,5 @@
 """Rows of the tables in a campaign's report, as texts; the templates only lay them out."""
 
-import base64
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -27,6 +26,7 @@ from comparison.campaign.row_values import (
 )
 from comparison.campaign.table import CampaignTable
 from comparison.numbers import DASH, format_number, interval_words, share_of, small_number, with_uncertainty
+from comparison.report import image_address
 from comparison.verdict import ANSWERS, UNCONFIRMED, VERDICTS
 from la_core.text_table import exists
 
@@ -151,7 +151,7 @@ def mechanism_pictures(table: CampaignTable, lettered: Mapping[str, Mapping[str,
                     continue
                 pictures += 1
                 yield _named(table, row, varying) | {
-                    "data": f"data:image/png;base64,{base64.b64encode(drawn[0].read_bytes()).decode()}",
+                    "data": image_address(drawn[0].read_bytes()),
                     "caption": f"{scene}, mechanism {letter} by {WORDS[method]}, in the case",
                 }
                 break
