@@ -32,6 +32,7 @@ ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
 LINE = 0.5  # pt, block outlines
 FEW = 25  # blocks that are named, and seen through for their contact points
 MARGIN = 0.12  # of the structure's size: room for arrows around it
+ARROW = 0.1  # of the structure's size: arrow of a motion
 ELEVATION, AZIMUTH = np.radians([24.0, -62.0])  # of the viewer: from the front, the right and above
 LIGHT = np.array([-0.35, -0.55, 0.75])
 HIDING = 0.02  # of the structure's size: a contact point under less stone than this is seen
@@ -68,6 +69,19 @@ def load_arrows(blocks: Blocks, point: np.ndarray, force: np.ndarray, most: int 
     shown = np.unique(np.linspace(0, len(size) - 1, most).astype(int)) if len(size) else np.zeros(0, dtype=int)
     length = LOAD_LENGTH * structure_size(blocks) * (0.4 + 0.6 * size[shown] / size.max(initial=0.0))
     return shown, point[shown] - (length / size[shown])[:, None] * force[shown]
+
+
+def push_arrow(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
+    """Return start and end (3,) of the arrow of a live load, m: level with the centroid of what it pushes, and ahead of it.
+
+    Within the structure it would lie on joints, or strike out the name of a block.
+    """
+    blocks = assembly.blocks
+    load = assembly.live_load[:, :3].sum(axis=0)
+    direction = load / np.linalg.norm(load)
+    middle = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
+    start = middle + ((blocks.vertices[blocks.free[blocks.vertex_block]] - middle) @ direction).max() * direction
+    return start, start + 2.0 * ARROW * structure_size(blocks) * direction
 
 
 def loops(points: np.ndarray, start: np.ndarray) -> list[np.ndarray]:

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison.figures.canvas import (
+    ARROW,
     ASIDE,
     FAINT,
     FEW,
@@ -27,6 +28,7 @@ from comparison.figures.canvas import (
     drawn_roles,
     loops,
     method_colour,
+    push_arrow,
     structure_size,
     tint,
     window,
@@ -40,7 +42,6 @@ from la_core.model import Assembly
 from la_core.scene import Scene
 
 SHORT = 0.2  # of the longest arrow: shorter arrows of a turning support are left out
-ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 LEAST_DOT = 1.2  # pt: contact points of large structures would be smaller, and are left out
@@ -212,20 +213,13 @@ def push_name(scene: Scene) -> str:
     return "live load" if scene.tilt is None else "push of the tilt"
 
 
-def push_arrow(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
-    """Return start and end (3,) of the arrow of a live load, m, through the centroid of what it pushes."""
-    blocks = assembly.blocks
-    step = ARROW * structure_size(blocks) * _unit(assembly.live_load[:, :3].sum(axis=0))
-    middle = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
-    return middle - step, middle + step
-
-
 def _draw_drive(canvas: Canvas, assembly: Assembly, push: str) -> str:
     """Draw arrows of the support's motion or of the live load, which is named `push`; return their label for the legend."""
     blocks = assembly.blocks
     length = ARROW * structure_size(blocks)
     if assembly.has_live_load:
-        canvas.arrow(*push_arrow(assembly))
+        start, end = push_arrow(assembly)
+        canvas.arrow(start, 0.5 * (start + end))  # the axes have no room for all of it
         return f"{push}, proportional to weight"
     owner = blocks.vertex_block
     driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from figure_scenes import DOWN, LIVE, SCENES, scene_of, synthetic_run
 from matplotlib.text import Text
-from scenes import shipped
+from scenes import box, build, shipped
 
 import la_core
 from comparison.figures import motions, reaction_figure, scene_figures, structure
@@ -152,6 +152,17 @@ def test_an_arrow_of_a_load_is_seen_above_the_name_of_its_block() -> None:
         and arrows
         and max(name.get_zorder() for name in names) < min(arrow.get_zorder() for arrow in arrows if arrow.xycoords == "data")
     )
+
+
+def test_the_arrow_of_a_push_is_whole_and_lies_on_no_block() -> None:
+    """It is neither on the name of a block nor on a joint that would hide it."""
+    ground = box("ground", (-0.5, 0.0, -0.2), (1.0, 0.3, 0.0), "fixed")
+    scene = build(ground, box("block", (0.0, 0.0, 0.0), (0.5, 0.3, 0.7)), live=(-1.0, 0.0, 0.0))
+    axes = structure.assembly_figure(scene, assemble(scene)).axes[0]
+    (push,) = (text for text in axes.texts if getattr(text, "arrow_patch", None) is not None and text.xycoords == "data")
+    (end, height), start = push.xy, push.get_position()
+    assert start == pytest.approx((0.0, 0.35)) and height == pytest.approx(0.35)
+    assert axes.get_xlim()[0] < end < 0.0
 
 
 def test_a_point_that_opens_is_seen_around_one_that_slides(tmp_path: Path) -> None:
