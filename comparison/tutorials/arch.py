@@ -56,7 +56,7 @@ assert abs(sharp.greatest / scene.weight - by_hand[1]) < 1e-6
 # ## Which one is it?
 #
 # The springing spreads, so the arch leans on it as little as it can: the least thrust. Three hinges open, at the crown and at both
-# haunches. An arch with three hinges still stands, and can follow; that is why
+# haunches: at each, one of the two contact points of the joint parts. An arch with three hinges still stands, and can follow; that is why
 # arches survive springings that spread. No joint slides.
 
 # %%
@@ -65,7 +65,7 @@ print(result)
 assert result.yade is not None
 assert result.verdict == "agree"
 measures = result.summary["mechanism_measures"]["associated"]
-print(f"joints that open: {measures['opening']:.0f}, that slide: {measures['sliding']:.0f}")
+print(f"contact points that open: {measures['opening']:.0f}, that slide: {measures['sliding']:.0f}")
 assert (measures["opening"], measures["sliding"]) == (3, 0)
 result.plot("mechanisms").save("arch-mechanisms.png")
 

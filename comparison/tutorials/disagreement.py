@@ -36,7 +36,7 @@ assert answer.least < middles * pads.weight < answer.greatest
 # %% [markdown]
 # ## A model that leaves out what happens
 #
-# *Joints do not slide* is Heyman's assumption, and a good one for arches. Take it to the two blocks side by side.
+# That joints do not slide is Heyman's assumption, and a good one for arches. Take it to the two blocks side by side.
 
 # %%
 assumed = {"title": "Two blocks, sliding excluded in limit analysis", "effects.friction": "none-slides", "path": None}
@@ -48,7 +48,7 @@ second.plot("mechanisms").save("disagreement-mechanisms.png")
 
 # %% [markdown]
 # Without sliding the right block cannot slip down along its neighbour. It hangs on the joint and tips about it: moments about the joint
-# give R = W_b / 2. In YADE it slides, and the pad carries all of W_b. Three things give the mistake away: the reason names the joints that
+# give R = W_b / 2. In YADE it slides, and the pad carries all of W_b. Three things give the mistake away: the reason says that joints
 # slide, the mechanisms differ in the figure, and the reactions differ by a factor of two.
 #
 # Why not *disagree*? Because a calculation without sliding is a lower bound here, and YADE lies above it. Nothing is contradicted. It is
@@ -80,10 +80,10 @@ third.plot("reaction").save("disagreement-too-fast.png")
 # %% [markdown]
 # ## Question
 #
-# Is *joints do not slide* right on the two blocks if friction is high, say mu = 0.9?
+# Is Heyman's assumption right on the two blocks if friction is high, say mu = 0.9?
 #
 # **Answer.** No. The joint between the blocks is not pressed, and 0.9 times nothing is nothing: the pad carries W_b, as with mu = 0.3.
-# Heyman's assumption needs joints that a thrust holds together, not rough ones.
+# The assumption needs joints that a thrust holds together, not rough ones.
 
 # %%
 for friction in (0.3, 0.6, 0.9):
