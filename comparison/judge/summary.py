@@ -28,9 +28,14 @@ from la_core.text_table import number_text
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
     """Return scene, counts, effects and limit analysis: the object that `solve --json` prints."""
-    scene = analysis.scene
+    return without_undefined(_summary(Results(analysis)))
+
+
+def _summary(results: Results) -> dict[str, Any]:
+    """Return scene, counts, effects and limit analysis, with what YADE's run adds to its measures, accuracy and greatest load."""
+    analysis, scene = results.analysis, results.analysis.scene
     assembly, whole = analysis.assembly, analysis.whole
-    summary = {
+    return {
         "scene": scene.name,
         "title": scene.title,
         "source": scene.source,
@@ -46,11 +51,10 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),
         "limit_analysis": limit_analysis_values(analysis),
-        "mechanism_measures": dict(_measures(Results(analysis))),
-        "accuracy": accuracy_summary(Results(analysis)),
-        "greatest_load": greatest_load_summary(Results(analysis)),
+        "mechanism_measures": dict(_measures(results)),
+        "accuracy": accuracy_summary(results),
+        "greatest_load": greatest_load_summary(results),
     }
-    return without_undefined(summary)
 
 
 def limit_analysis_values(analysis: LimitAnalysis) -> dict[str, Any]:
@@ -146,13 +150,9 @@ def comparison_summary(
     """
     analysis, run = results.analysis, results.run
     concluded = conclusion_of(analysis, checks, yade)
-    summary = limit_analysis_summary(analysis)
-    summary |= {
-        "mechanism_measures": dict(_measures(results)),
+    summary = _summary(results) | {
         "first_prediction": first_prediction_summary(first, analysis),
         "yade": yade and yade | _of_live_load(analysis.scene, yade),
-        "accuracy": accuracy_summary(results),
-        "greatest_load": greatest_load_summary(results),
         "curves": curves_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],
