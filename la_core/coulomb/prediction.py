@@ -23,7 +23,7 @@ from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.release import released
 from la_core.coulomb.several_paths import BROAD, disagree, joints_of_path, left_by_smoothing, on_one_plateau, stated_uncertainty
-from la_core.coulomb.sharp_path import PEAK_PATHS, follow, peak_on_the_way
+from la_core.coulomb.sharp_path import follow, with_peak
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.limit import Solution, Status
 from la_core.model import Assembly, JointStiffness
@@ -35,8 +35,6 @@ LOCKED_IN = 0.25
 # Largest uncertainty of an answer, over the weight, or over the value where this is larger. Blocks that fall on one path leave a million
 # weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
 UNKNOWN = 100.0
-# Of the value, under a live load: a curve that rises less above it, beyond its uncertainty, has no peak.
-SOUGHT = 5e-3
 # Factor by which the limits of a step are divided on one more path, where the value after a release is uncertain. Such a structure passes
 # many states on its way, and all paths with the usual steps may end in the same wrong one. On the wall that led to this path a factor of
 # 1.3 already showed that they do, and 3 led to the value of YADE.
@@ -135,37 +133,44 @@ def _followed_from_rest(
     if not followed:
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
+    if settings.with_release and not _falls(joints, solution) and not _has_one_value(joints, solution):
+        solution, more = _with_release(joints, stiffness, tangent, rest, followed, solution, settings, progress)
+        iterations += more
     if _falls(joints, solution):
         return _of_falling_blocks(assembly, start, iterations)
-    has_one_value = relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
-    if settings.with_release and not has_one_value:
-        after = released(joints, stiffness, followed, settings, progress)
-        if after.is_doubtful and not disagree(followed) and not followed[-1].exhausted:
-            finer = _finer_path(joints, tangent, rest, followed, settings, progress)
-            iterations += 0 if finer is None else finer.iterations
-            if finer is not None and not finer.exhausted:
-                solution = _answer(joints, stiffness, [*followed, finer])
-            if _falls(joints, solution):
-                return _of_falling_blocks(assembly, start, iterations + after.iterations)
-        solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state)
-        iterations += after.iterations
-    unit = joints.value_in_units(1.0)
-    if joints.live and not followed[-1].smooth_error and _rises_above(solution, unit):
-        send, end = progress.senders_of_more([first for first, _ in PEAK_PATHS]), float(solution.path_settlement[-1]) / stiffness.travel
-        peak, more = peak_on_the_way(joints, tangent, rest, solution.value / unit, end, settings, send)
-        is_above = len(peak) > 0 and peak[0] - peak[1] > (solution.value + solution.uncertainty) / unit
-        solution = replace(solution, peak=peak * unit) if is_above else solution
+    if joints.live and not followed[-1].smooth_error:
+        solution, more = with_peak(joints, tangent, rest, solution, stiffness.travel, settings, progress)
         iterations += more
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
 
-def _rises_above(solution: CoulombSolution, unit: float) -> bool:
-    """Whether the curve of a solution rises above its value on the way to it, by more than its uncertainty and SOUGHT.
+def _has_one_value(joints: ElasticJoints, solution: CoulombSolution) -> bool:
+    """Whether the mechanism of a solution allows its value alone; False where its interval is not stated."""
+    return relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
 
-    unit: value of a scaled one.
+
+def _with_release(
+    joints: ElasticJoints,
+    stiffness: JointStiffness,
+    tangent: Tangent,
+    rest: State,
+    followed: list[FollowedPath],
+    solution: CoulombSolution,
+    settings: PredictionSettings,
+    progress: SharedProgress,
+) -> tuple[CoulombSolution, int]:
+    """Return the answer of the paths with its value after a release, and the Newton iterations of the way to it.
+
+    Where that value is doubtful although the paths end alike, the answer is that of a finer path, too.
     """
-    near = solution.uncertainty + SOUGHT * plateau.reference_size(solution.value / unit) * unit
-    return plateau.peak_before(solution.path_value, solution.value, near) > solution.value + near
+    after = released(joints, stiffness, followed, settings, progress)
+    iterations = after.iterations
+    if after.is_doubtful and not disagree(followed) and not followed[-1].exhausted:
+        finer = _finer_path(joints, tangent, rest, followed, settings, progress)
+        iterations += 0 if finer is None else finer.iterations
+        if finer is not None and not finer.exhausted:
+            solution = _answer(joints, stiffness, [*followed, finer])
+    return replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state), iterations
 
 
 def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:

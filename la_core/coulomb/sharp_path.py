@@ -16,6 +16,7 @@ from la_core.coulomb.followed_path import (
     FollowedPath,
     PredictionSettings,
     Sender,
+    SharedProgress,
     annealed,
     first_end,
     is_at_end,
@@ -29,6 +30,7 @@ from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
+from la_core.coulomb.solution import CoulombSolution
 
 # First viscosity of a path to a peak, and the factor by which the limits of its steps are divided. The usual viscosities lifted
 # the peaks of 36 small walls by up to 5 % and that of one of 270 blocks by 29 %, and these by nothing that the two paths do not show.
@@ -36,6 +38,7 @@ PEAK_PATHS = ((1e-5, 1.0), (1e-6, 3.0))
 PEAK_SAFETY = 2.0  # times the difference between the peaks of these paths
 # Of a peak, between the ends of two steps. Of 29 peaks of random walls the finer of the two paths missed 0.15 % at most.
 BETWEEN_STEPS = 2e-3
+SOUGHT = 5e-3  # of the value: a curve that rises less above it, beyond its uncertainty, has no peak
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -49,6 +52,30 @@ def follow(
     more = max(len(joints.weights) / BIG, 1.0) ** 2
     viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
     return _to_its_end(QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer), settings, as_far_as, send)
+
+
+def with_peak(
+    joints: ElasticJoints,
+    tangent: Tangent,
+    rest: State,
+    solution: CoulombSolution,
+    travel: float,
+    settings: PredictionSettings,
+    progress: SharedProgress,
+) -> tuple[CoulombSolution, int]:
+    """Return a prediction under a live load with its peak, where it has one, and the Newton iterations of the search for it.
+
+    A peak is sought where the curve rises above the value by more than its uncertainty and SOUGHT. travel: unit of the progress, m.
+    """
+    unit = joints.value_in_units(1.0)
+    near = solution.uncertainty + SOUGHT * plateau.reference_size(solution.value / unit) * unit
+    if not plateau.peak_before(solution.path_value, solution.value, near) > solution.value + near:
+        return solution, 0
+    senders = progress.senders_of_more([first for first, _ in PEAK_PATHS])
+    end = float(solution.path_settlement[-1]) / travel
+    peak, iterations = peak_on_the_way(joints, tangent, rest, solution.value / unit, end, settings, senders)
+    is_above = len(peak) > 0 and peak[0] - peak[1] > (solution.value + solution.uncertainty) / unit
+    return (replace(solution, peak=peak * unit) if is_above else solution), iterations
 
 
 def peak_on_the_way(
