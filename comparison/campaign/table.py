@@ -67,6 +67,11 @@ class CampaignTable:
         return [row for row in self.rows if row["state"] == "failed"]
 
     @property
+    def ran_yade(self) -> bool:
+        """Whether YADE ran in a case."""
+        return any(row.get("yade_status") not in (None, "missing") for row in self.rows)
+
+    @property
     def unfinished(self) -> str:
         """How many cases of an interrupted campaign have ended, as a sentence; "" where all have."""
         ended, cases = len(self.rows), self.provenance.get("cases") or 0

@@ -253,6 +253,17 @@ def test_a_campaign_without_yade_tells_of_no_disagreement_and_a_mechanism_has_th
     assert "the worst disagreement first" in (tmp_path / "report.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("status", [None, "missing"])
+def test_the_captions_of_a_campaign_without_yade_are_of_limit_analysis_alone(status: str | None, tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    of_yade = {name: None for name in table.rows[0] if name.startswith("yade")} | {"yade_status": status}
+    alone = replace(table, rows=[row | of_yade for row in table.rows], costs=[row | {"yade_seconds": None} for row in table.costs])
+    told = {True: ("YADE with its uncertainty", "hatched where", "Both methods against"), False: ("Limit analysis against",)}
+    for ran_yade, one in ((True, table), (False, alone)):
+        text = write_campaign_report(one).read_text(encoding="utf-8")
+        assert all(words in text for words in told[ran_yade]) and not any(words in text for words in told[not ran_yade])
+
+
 def test_a_campaign_of_one_worker_is_not_said_to_have_run_several_cases_at_a_time(tmp_path: Path) -> None:
     text = write_campaign_report(campaign(tmp_path, "one case")).read_text(encoding="utf-8")
     assert "on how many cases it ran at a time" in text and "which ran several cases" not in text

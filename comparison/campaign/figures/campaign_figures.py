@@ -21,13 +21,13 @@ PREDICTION = (
     "logarithmic beyond; cases with a prediction near zero are left out there."
 )
 REACTION = (
-    "Limit analysis' prediction and YADE with its uncertainty, against {}. In a panel with one line, the associated bounds and the "
+    "Limit analysis' prediction{yade}, against {parameter}. In a panel with one line, the associated bounds and the "
     "mechanism's interval are bands; in a panel with several, the intervals are bars beside the marks."
 )
-MAP = "Mechanisms over {}: one letter per mechanism (set of moving blocks), heavy lines where it changes, hatched where the methods differ."
-PARTICIPATION = "Participation index against {}: 1 if all interfaces dissipate equally, 1/J if only one of J dissipates."
+MAP = "Mechanisms over {parameters}: one letter per mechanism (set of moving blocks), heavy lines where it changes{yade}."
+PARTICIPATION = "Participation index against {parameter}: 1 if all interfaces dissipate equally, 1/J if only one of J dissipates."
 CLASSIC_WORDS = "The classic iteration against {}: its value, and its number of programmes."
-COSTS = "Seconds of both methods against the number of free blocks, and case by case."
+COSTS = "Seconds of {methods} against the number of free blocks, and case by case."
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def draw_campaign(table: CampaignTable) -> list[Drawing]:
 
 def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
     """Yield kind, figure and caption of each figure."""
-    sweeps = sweeps_of(table)
+    sweeps, ran_yade = sweeps_of(table), table.ran_yade
     for unit in dict.fromkeys(row.get("unit") or "" for row in table.rows):
         rows = [row for row in table.rows if (row.get("unit") or "") == unit]
         figure = prediction.prediction_figure(_once(table, rows), unit)
@@ -88,14 +88,17 @@ def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
         ("participation", PARTICIPATION, lines.participation_figures(sweeps)),
     ):
         for drawn in drawings:
-            yield kind, drawn.figure, f"{caption.format(short(drawn.parameter, table.labels))} {drawn.left_out}".strip()
-    for figure, words in maps.map_figures(sweeps):
-        yield "map", figure, MAP.format(words)
+            words = caption.format(
+                parameter=short(drawn.parameter, table.labels), yade=" and YADE with its uncertainty" if ran_yade else ""
+            )
+            yield kind, drawn.figure, f"{words} {drawn.left_out}".strip()
+    for figure, parameters in maps.map_figures(sweeps):
+        yield "map", figure, MAP.format(parameters=parameters, yade=", hatched where the methods differ" if ran_yade else "")
     for figure, parameter in classic.classic_figures(sweeps_of(table, classic=True)):
         yield "classic", figure, CLASSIC_WORDS.format(short(parameter, table.labels))
     costs = case_costs.case_cost_figure(table)
     if costs is not None:
-        yield "costs", costs, COSTS
+        yield "costs", costs, COSTS.format(methods="both methods" if ran_yade else "limit analysis")
 
 
 def _once(table: CampaignTable, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -81,6 +81,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "signs": ", ".join(f"{one['symbol']} {one['word']}" for one in counts),
         "units": rows.units(table),
         "panels": matrix_panels(table),
+        "methods": "Both methods" if table.ran_yade else "Limit analysis",
         "figures": {kind: [_figure(drawing) for drawing in drawn if drawing.kind == kind] for kind in KINDS},
         "compared": rows.compared(table),
         "order": ORDER,
