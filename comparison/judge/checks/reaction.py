@@ -71,12 +71,12 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
     if unsure := unsure_methods(results, prediction.stated):
         return _unsure_check(results, check, unsure, prediction)
     if check.verdict is Verdict.DISAGREE:
-        doubts = [(prediction.doubt, prediction.next_step), _other_history(results), _jump(results), _left(results)]
-        doubts += (
-            [("YADE's own state is in doubt.", next_steps.SLOWER_RUN)] if state is not None and state.verdict is not Verdict.AGREE else []
-        )
-        if known := [(doubt, step) for doubt, step in doubts if doubt]:
-            return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
+        is_odd = state is not None and state.verdict is not Verdict.AGREE
+        of_state = ("YADE's own state is in doubt.", next_steps.SLOWER_RUN) if is_odd else ("", "")
+        doubts = ((prediction.doubt, prediction.next_step), _other_history(results), _jump(results), _left(results), of_state)
+        doubt, step = next((one for one in doubts if one[0]), ("", ""))
+        if doubt:
+            return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {doubt}", next_step=step)
         if prediction.slides:
             return _check_release(results, prediction, check, earlier_agreement(results, value, tolerance))
     return _if_not_for_the_weight(results, check, prediction.stated)
