@@ -98,9 +98,34 @@ def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: 
     """
     omega = Omega()
     omega.reset()
+    inertia = inertia_of(case, settings.normal_stiffness, settings.shear_stiffness, settings.added_mass)
+    clumps, carriers, spheres, faces = _append_blocks(case, settings, inertia)
+    _turn_carriers(case, carriers, clumps)
+    _set_inertia(case, inertia, clumps)
+    for block, clump in enumerate(clumps):
+        omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
+    if case.displacement == "small":
+        _pair(spheres, faces)
+    integrator, drive, calming, watching = _engines(case, settings, clumps, (watch, pull, calm))
+    position = np.array([omega.bodies[clump].state.pos for clump in clumps])
+    rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
+    loaded = np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1) | (inertia.mass != case.mass)).tolist()
+    model = Model(
+        tuple(clumps), tuple(spheres), tuple(faces), position, rotation, inertia, tuple(loaded), integrator, drive, calming, watching
+    )
+    set_loads(case, model)
+    return model
+
+
+def _append_blocks(case: Case, settings: Settings, inertia: Inertia) -> tuple[list[int], list[int], list[int], list[int]]:
+    """Append the bodies of every block to YADE's scene, joined to a clump.
+
+    Returns the identifiers of the clump (B,) and of the carrier (B,) of each block, of the sphere (C,) of each contact point, and of the
+    face (C,) that it touches.
+    """
+    bodies = Omega().bodies
     spheres, faces = np.zeros(len(case.host), dtype=int), np.zeros(len(case.host), dtype=int)
     carriers, clumps = [], []
-    inertia = inertia_of(case, settings.normal_stiffness, settings.shear_stiffness, settings.added_mass)
     viscosity = contact_damping(case, inertia, settings.normal_damping, settings.shear_damping)
     of_face = 2.0 * viscosity.max(axis=0)
     material = _material(settings, of_face, _NO_FRICTION_LIMIT)
@@ -109,32 +134,19 @@ def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: 
     rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
     touching, carried = (rows_of(owner, len(case.role)) for owner in (case.target, case.host))
     for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
-        members = [omega.bodies.append(_carrier(case, block, material))]
+        members = [bodies.append(_carrier(case, block, material))]
         carriers.append(members[0])
         for face, touched in faces_of(case, block, touching[block]):
             face.material = material
-            members.append(omega.bodies.append(face))
+            members.append(bodies.append(face))
             faces[touched] = members[-1]
         for contact in carried[block].tolist():
             radius = settings.sphere_radius * case.own_inset[contact] / case.inset
             sphere = _sphere(case, contact, radius, rubbing[kind.ravel()[contact]])
-            members.append(omega.bodies.append(sphere))
+            members.append(bodies.append(sphere))
             spheres[contact] = members[-1]
-        clumps.append(omega.bodies.clump(members))
-    _turn_carriers(case, carriers, clumps)
-    _set_inertia(case, inertia, clumps)
-    for block, clump in enumerate(clumps):
-        omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
-    if case.displacement == "small":
-        _pair(spheres.tolist(), faces.tolist())
-    integrator, drive, calming, watching = _engines(case, settings, clumps, (watch, pull, calm))
-    position = np.array([omega.bodies[clump].state.pos for clump in clumps])
-    rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
-    loaded = np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1) | (inertia.mass != case.mass)).tolist()
-    bodies = tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist())
-    model = Model(*bodies, position, rotation, inertia, tuple(loaded), integrator, drive, calming, watching)
-    set_loads(case, model)
-    return model
+        clumps.append(bodies.clump(members))
+    return clumps, carriers, spheres.tolist(), faces.tolist()
 
 
 def _material(settings: Settings, viscosity: np.ndarray, friction_angle: float) -> ViscElMat:
