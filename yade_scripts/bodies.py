@@ -214,6 +214,7 @@ def _set_inertia(case: Case, inertia: Inertia, clumps: list[int]) -> None:
 
 
 def _wrong_inertias(case: Case, clumps: list[int]) -> list[bool]:
+    """Return for each block whether its clump has another inertia; raises YadeError where one has another mass."""
     wrong = []
     for block, clump in enumerate(clumps):
         state = Omega().bodies[clump].state

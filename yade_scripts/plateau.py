@@ -242,6 +242,7 @@ def shortcoming(fit: Plateau, scale: float, most: float, name: str = "reaction")
 
 
 def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geometry: Geometry) -> Plateau:
+    """Return the line through the rows (T,) from the settlement `start` on; NONE where they are too few."""
     kept = settlement >= start
     s, r = settlement[kept], reaction[kept]
     if len(s) < FEWEST_ROWS or np.ptp(s) <= 0.0:

@@ -234,6 +234,7 @@ def steps_to_plateau(settings: Settings) -> float:
 
 
 def _checked(overrides: dict[str, Any]) -> dict[str, float]:
+    """Return the settings of a scene as numbers; raises CaseError for an unknown name or an invalid value."""
     kinds = {field.name: field.type for field in dataclasses.fields(Settings)}
     for name, value in overrides.items():
         if name not in kinds:
@@ -247,6 +248,7 @@ def _checked(overrides: dict[str, Any]) -> dict[str, float]:
 
 
 def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
+    """Return the viscosity of a contact point along its normal and across it, N s/m, by the name of the setting."""
     mass = float(np.mean(case.mass[case.free]))
     return {
         f"{name}_damping": 2.0 * chosen["damping_ratio"] * math.sqrt(chosen[f"{name}_stiffness"] * mass / 4.0)

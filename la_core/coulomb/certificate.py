@@ -191,6 +191,10 @@ class _Pressed:
         return frame, self._cones(len(self.joints.weights) + len(columns) - 1, self.count)
 
     def _mechanism_programme(self) -> Programme:
+        """Programme whose unknowns are the rates of the free blocks, then the size of parting at every point, then that of slip.
+
+        Under a live load the loaded points move by one unit.
+        """
         normal, *tangents = (self._axis(i) @ self.kinematics for i in range(self.width))
         freedoms, one = len(self.joints.weights), sparse.identity(self.count)
         none = sparse.csr_matrix((self.count, self.count))

@@ -103,6 +103,7 @@ def stated_interval(
 
 
 def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
+    """Least and greatest value (N, N m or multiplier) where the points of two masks (C,) part or slide, along `direction` (C, 1 or 2)."""
     sticking = replace(assembly, points=assembly.points.subset(~parting & ~sliding))
     problem = scaled_problem(sticking)
     guided = sparse.vstack([_guide(assembly, edge)[sliding] for edge in _fan(direction)]).tocsr()

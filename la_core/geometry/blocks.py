@@ -215,6 +215,7 @@ def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndar
 
 
 def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Outward unit normal (F, 3) and offset (F,), m, of every face, on the mean of its corners."""
     corners, face = _triangles(face_vertex, face_start)
     a, b, c = (vertices[corners[:, k]] for k in range(3))
     normal = np.zeros((len(face_start) - 1, 3))

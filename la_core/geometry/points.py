@@ -137,6 +137,7 @@ def _depths(interfaces: Interfaces) -> np.ndarray:
 
 
 def _plane_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two points of each interface at mid depth, (2 I, 3), m, and the interface of each; inset: (I,), m."""
     low, high, middle, tangent = _ends(interfaces)
     place = np.stack([low + inset, high - inset], axis=1)
     position = middle[:, None, :] + place[:, :, None] * tangent[:, None, :]
@@ -152,6 +153,7 @@ def _flattened(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 def _solid_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A point at every corner of each interface, (C, 3), m, and the interface of each; inset: (I,), m."""
     if not inset.any():
         return interfaces.polygon, owners(interfaces.polygon_start)
     flat, first, second = _flattened(interfaces)

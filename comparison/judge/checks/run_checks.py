@@ -31,6 +31,7 @@ def check_run(results: Results) -> list[Check]:
 
 
 def _checks_of(results: Results) -> list[Check]:
+    """Return the checks in their order; a run without a value, or not in balance, ends the list early."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in CARRIED_OUT:
