@@ -222,8 +222,8 @@ def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
 def _drive(live: bool, tilts: bool) -> str:
     """Return when the mechanism shows."""
     if tilts:
-        return "the ground is tilted as far as the structure bears"
-    return "the load is the greatest that the structure bears" if live else "the support moves"
+        return "the structure fails on the tilted ground"
+    return "the structure fails under the load" if live else "the support moves"
 
 
 def _curve(comparison: dict[str, Any], tilts: bool) -> str:

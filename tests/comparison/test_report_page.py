@@ -11,6 +11,7 @@ from made_up_comparisons import HOSTILE, comparison_of, frictional_comparison, p
 
 from comparison.report import report
 
+PUSHED = {"associated": {"status": "solved", "multiplier": 0.5}, "coulomb": None}
 FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["block"]}, "coulomb": None}
 
 
@@ -129,6 +130,10 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
         ({}, "Blocks that move when the support moves, by both methods"),
         ({"yade": None}, "Blocks that move when the support moves, by limit analysis"),
         ({"yade": None, "limit_analysis": FALLS}, "Blocks that fall, by limit analysis"),
+        (
+            {"yade": None, "unit": "", "limit_analysis": PUSHED},
+            "Blocks that move when the structure fails under the load, by limit analysis",
+        ),
     ],
 )
 def test_the_mechanisms_are_those_of_the_methods_that_ran(changes: dict[str, Any], caption: str, tmp_path: Path) -> None:
