@@ -7,7 +7,7 @@ read: text and images are not.
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from xml.etree import ElementTree
 
@@ -17,7 +17,7 @@ import shapely
 from la_core.drawing.outlines import ABSENT, HIDDEN, REFERENCE, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
-from la_core.drawing.svg_styles import UNREAD, Paint, StyleSheet, is_zero, sheet_of
+from la_core.drawing.svg_styles import SIZES, UNREAD, Paint, StyleSheet, is_zero, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 ASKS = {"systemLanguage", "requiredExtensions", "requiredFeatures"}  # attributes of elements that not every program draws
@@ -145,14 +145,16 @@ class _Reader:
         kind = _tag(element)
         if kind in SILENT:
             return
-        here = self._within(element, kind, around)
+        given = self.sheet.properties(element, kind)
+        sizes = element.attrib | {name: given[name] for name in SIZES if name in given}
+        here = self._within(element, kind, given, around)
         if kind == "svg" and depth > 0 and here.displayed:
-            matrix, viewport = nested(element, around.viewport)
+            matrix, viewport = nested(sizes, around.viewport)
             here = replace(here, matrix=here.matrix @ matrix, viewport=viewport)
         if kind in SHAPES:
-            self._add(element, kind, here)
+            self._add(sizes, kind, here, "d" in given)
         elif kind == "use":
-            self._add_copy(element, here, depth)
+            self._add_copy(sizes, here, depth)
         elif kind not in CONTAINERS:  # a browser shows nothing in it, such as the frame of a text
             if here.displayed:
                 self.drawn.ignore(kind)
@@ -160,7 +162,7 @@ class _Reader:
         for child in _shown_of(element, kind):
             self.walk(child, here, depth + 1)
 
-    def _add_copy(self, use: ElementTree.Element, here: _Around, depth: int) -> None:
+    def _add_copy(self, use: Mapping[str, str], here: _Around, depth: int) -> None:
         """Add the element that a <use> stands for, at its place; one of another file is counted."""
         link = use.get("href") or use.get(f"{XLINK}href") or ""
         if GLYPH.fullmatch(link):
@@ -181,9 +183,8 @@ class _Reader:
             original = nested_drawing
         self.walk(original, replace(here, matrix=matrix, is_copied=True), depth + 1)
 
-    def _within(self, element: ElementTree.Element, kind: str, around: _Around) -> _Around:
-        """What holds for an element and for the elements in it."""
-        given = self.sheet.properties(element, kind)
+    def _within(self, element: ElementTree.Element, kind: str, given: dict[str, str], around: _Around) -> _Around:
+        """What holds for an element with these properties and for the elements in it."""
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
         matrix = around.matrix
         displayed = around.displayed and given.get("display") != "none" and not is_zero(given.get("opacity", "1"))
@@ -204,17 +205,20 @@ class _Reader:
         )
         return _with_layer(element, here) if kind == "g" else here
 
-    def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
-        """Add the lines of a shape, or count it if it is hidden."""
-        may_be_painted = self.sheet.unread > 0  # by a rule that is not read
-        if not (here.displayed and here.visible) or (here.paint.is_unseen and not may_be_painted):
+    def _add(self, sizes: Mapping[str, str], kind: str, here: _Around, has_styled_path: bool) -> None:
+        """Add the lines of a shape with these attributes, or count it if it is hidden."""
+        if not (here.displayed and here.visible) or (here.paint.is_unseen and not self.sheet.may_paint):
             self.drawn.ignore(HIDDEN)
             return
+        if has_styled_path and kind == "path":
+            raise ValueError(
+                "has a <path> whose d is in a style, which is not read; convert it in the drawing program, or write d as an attribute"
+            )
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
         if not np.isfinite(here.matrix).all():
             raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
         curves: list[np.ndarray] = []
-        for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300), curves):
+        for points, is_closed in shape_lines(sizes, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300), curves):
             closed = is_closed or (kind in FILLED and here.paint.is_filled and _encloses(points))
             layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
             self.drawn.add(points @ turn.T + place, closed, layer, here.colour)

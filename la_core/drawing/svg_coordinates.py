@@ -81,7 +81,7 @@ def page_of(root: ElementTree.Element) -> tuple[float | None, np.ndarray, Viewpo
     Without a view box, a plain number counts in the unit of the page's width.
     """
     (width, unit), (height, _) = _side(root, "width"), _side(root, "height")
-    box = _view_box(root)
+    box = _view_box(root.attrib)
     is_paper = width is not None and unit in PAPER_UNITS
     if box is None:
         user = PAPER_UNITS[unit] if is_paper else PIXEL
@@ -93,7 +93,7 @@ def page_of(root: ElementTree.Element) -> tuple[float | None, np.ndarray, Viewpo
     ratios = np.array([width / box[2], (height or 0.0) / box[3]])
     if height is None or math.isclose(*ratios, rel_tol=SAME_ASPECT):
         ratios[1] = ratios[0]
-    ratios = _fitted(ratios, root)
+    ratios = _fitted(ratios, root.attrib)
     least = float(ratios.min())
     if not 0.0 < least <= float(ratios.max()) < math.inf:
         return None, np.ones(2), viewport
@@ -101,16 +101,16 @@ def page_of(root: ElementTree.Element) -> tuple[float | None, np.ndarray, Viewpo
     return (user if is_paper else None), ratios / least, viewport
 
 
-def nested(element: ElementTree.Element, around: Viewport) -> tuple[np.ndarray, Viewport]:
-    """Matrix (3, 3) from the coordinates within a nested <svg> to those around it, and its viewport."""
+def nested(given: Mapping[str, str], around: Viewport) -> tuple[np.ndarray, Viewport]:
+    """Matrix (3, 3) from the coordinates within a nested <svg> with these attributes to those around it, and its viewport."""
 
     def length(name: str, along: str, otherwise: str) -> float:
-        said = element.get(name, otherwise)
+        said = given.get(name, otherwise)
         return around.length(otherwise if said.strip().lower() == "auto" else said, f"a nested <svg> with {name}", along)
 
     place = np.array([length("x", "x", "0"), length("y", "y", "0")])
-    box = _view_box(element)
-    named = {name: along for name, along in (("width", "x"), ("height", "y")) if box is not None or name in element.attrib}
+    box = _view_box(given)
+    named = {name: along for name, along in (("width", "x"), ("height", "y")) if box is not None or name in given}
     sides = {name: length(name, along, "100%") for name, along in named.items()}
     if any(side <= 0.0 for side in sides.values()):
         raise ValueError("has a nested <svg> whose width or height is not positive, so that it shows nothing; correct or delete it")
@@ -119,17 +119,17 @@ def nested(element: ElementTree.Element, around: Viewport) -> tuple[np.ndarray, 
     if box is None:
         return matrix, Viewport(sides.get("width", around.width), sides.get("height", around.height), around.per_metre)
     size = np.array([sides["width"], sides["height"]])
-    ratios = _fitted(size / box[2:], element)
-    aligned = ALIGNED.search(element.get("preserveAspectRatio", "").lower())
+    ratios = _fitted(size / box[2:], given)
+    aligned = ALIGNED.search(given.get("preserveAspectRatio", "").lower())
     shares = np.array([SHARES[word] for word in aligned.groups()] if aligned else [0.5, 0.5])
     matrix[:2, :2] = np.diag(ratios)
     matrix[:2, 2] += shares * (size - ratios * box[2:]) - ratios * box[:2]
     return matrix, Viewport(float(box[2]), float(box[3]), around.per_metre)
 
 
-def _fitted(ratios: np.ndarray, element: ElementTree.Element) -> np.ndarray:
+def _fitted(ratios: np.ndarray, given: Mapping[str, str]) -> np.ndarray:
     """Scales of x and y by which an element's view box is fitted to its sides, by `preserveAspectRatio`."""
-    words = element.get("preserveAspectRatio", "").lower().split()
+    words = given.get("preserveAspectRatio", "").lower().split()
     if "none" in words:
         return ratios
     return np.full(2, ratios.max() if "slice" in words else ratios.min())
@@ -144,8 +144,8 @@ def _side(root: ElementTree.Element, name: str) -> tuple[float | None, str]:
     return (metres, found[2]) if 0.0 < metres < math.inf else (None, "")
 
 
-def _view_box(element: ElementTree.Element) -> np.ndarray | None:
-    text = element.get("viewBox", "")
+def _view_box(given: Mapping[str, str]) -> np.ndarray | None:
+    text = given.get("viewBox", "")
     numbers = np.array([float(number) for number in NUMBER.findall(text)])
     if not text.strip():
         return None

@@ -2,7 +2,7 @@
 
 import math
 import re
-from xml.etree import ElementTree
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -22,14 +22,14 @@ CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least of a circle, and most of an ar
 
 
 def shape_lines(
-    element: ElementTree.Element, kind: str, viewport: Viewport, sagitta: float, curves: list[np.ndarray]
+    given: Mapping[str, str], kind: str, viewport: Viewport, sagitta: float, curves: list[np.ndarray]
 ) -> list[tuple[np.ndarray, bool]]:
     """Lines (n, 2) of one of the SHAPES, in its own units, and whether each is closed.
 
     Parameters
     ----------
-    element : Element
-        The shape.
+    given : mapping
+        Attributes of the shape.
     kind : str
         Its kind, one of SHAPES.
     viewport : Viewport
@@ -46,17 +46,17 @@ def shape_lines(
     """
 
     def length(name: str, along: str = "") -> float:
-        return viewport.length(element.get(name, "0"), f"a <{kind}> with {name}", along)
+        return viewport.length(given.get(name, "0"), f"a <{kind}> with {name}", along)
 
     if kind == "path":
-        return path_lines(element.get("d", ""), sagitta, curves)
+        return path_lines(given.get("d", ""), sagitta, curves)
     if kind in ("polygon", "polyline"):
-        return [(_corners(element.get("points", ""), kind), kind == "polygon")]
+        return [(_corners(given.get("points", ""), kind), kind == "polygon")]
     if kind == "line":
         return [(np.array([(length("x1", "x"), length("y1", "y")), (length("x2", "x"), length("y2", "y"))]), False)]
     if kind == "rect":
         place, size = np.array([length("x", "x"), length("y", "y")]), np.array([length("width", "x"), length("height", "y")])
-        radii = _radii(element, viewport, size) if {"rx", "ry"} & element.attrib.keys() else np.zeros(2)
+        radii = _radii(given, viewport, size) if {"rx", "ry"} & given.keys() else np.zeros(2)
         corners, arcs = _rectangle(size, radii, sagitta) if size.min() > 0.0 else (np.zeros((0, 2)), [])
         curves += [place + arc for arc in arcs]
         return [(place + corners, True)] if len(corners) else []  # SVG draws nothing without a size
@@ -83,13 +83,13 @@ def _corners(text: str, kind: str) -> np.ndarray:
     return np.array(numbers).reshape(-1, 2)
 
 
-def _radii(element: ElementTree.Element, viewport: Viewport, size: np.ndarray) -> np.ndarray:
+def _radii(given: Mapping[str, str], viewport: Viewport, size: np.ndarray) -> np.ndarray:
     """Radii (2,) of the corners of a <rect>: one alone sets both, and neither is more than half a side."""
-    given: list[float | None] = [None, None]
+    radii: list[float | None] = [None, None]
     for axis, (name, along) in enumerate((("rx", "x"), ("ry", "y"))):
-        if (text := element.get(name, "auto").strip()) != "auto":
-            given[axis] = viewport.length(text, f"a <rect> with {name}", along)
-    first, second = given
+        if (text := given.get(name, "auto").strip()) != "auto":
+            radii[axis] = viewport.length(text, f"a <rect> with {name}", along)
+    first, second = radii
     both = (first if first is not None else second or 0.0, second if second is not None else first or 0.0)
     return np.clip(both, 0.0, np.abs(size) / 2.0)
 

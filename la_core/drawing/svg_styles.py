@@ -8,10 +8,12 @@ from xml.etree import ElementTree
 from la_core.drawing.outlines import CLIPPED
 
 OPACITIES = ("fill-opacity", "stroke-opacity")
-READ = ("display", "visibility", "opacity", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
+READ = ("display", "visibility", "opacity", "color", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
+SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d")  # attributes of shapes that a style may give, too
 # Properties that change what is seen and are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
+NO_LENGTH = re.compile(r"[-+]?(?=[\d.]*[1-9])[\d.]+")  # a number without a unit, unless 0: CSS ignores it
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")
@@ -20,7 +22,8 @@ STATES = re.compile(r":(hover|active|focus|visited|link|any-link|target|checked|
 UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
 NO_OPACITY = r"\s*[-+]?(?:0+\.?0*|\.0+)%?\s*"
 CLEAR = re.compile(  # paints that show nothing
-    rf"none|transparent|#[0-9a-f]{{3}}0|#[0-9a-f]{{6}}00|(?:rgb|hsl)a?\((?:(?:[^,]*,){{3}}|[^,/]*/){NO_OPACITY}\)"
+    r"none|transparent|#[0-9a-f]{3}0|#[0-9a-f]{6}00|"
+    rf"(?:rgba?|hsla?|hwb|(?:ok)?l(?:ab|ch)|color)\((?:(?:[^,]*,){{3}}|[^,/]*/){NO_OPACITY}\)"
 )
 
 
@@ -34,32 +37,41 @@ class Paint:
         Fill and stroke; "" where nothing gives them.
     clear : frozenset of str
         Those of the OPACITIES that are 0.
+    colour : str
+        What `currentColor` stands for.
     """
 
     fill: str = ""
     stroke: str = ""
     clear: frozenset[str] = frozenset()
+    colour: str = ""
 
     def with_given(self, given: dict[str, str]) -> "Paint":
         """The paint of an element within that gives some properties itself."""
         zero = {name for name in OPACITIES if is_zero(given.get(name, "1"))}
-        return Paint(given.get("fill") or self.fill, given.get("stroke") or self.stroke, self.clear.difference(given) | zero)
+        fill, stroke, colour = (
+            given.get(name) or own for name, own in (("fill", self.fill), ("stroke", self.stroke), ("color", self.colour))
+        )
+        return Paint(fill, stroke, self.clear.difference(given) | zero, colour)
 
     @property
     def is_filled(self) -> bool:
         """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, and SVG then fills it."""
         if "fill-opacity" in self.clear:
             return False
-        return not CLEAR.fullmatch(self.fill) if self.fill else not self._has_stroke
+        return not self._is_clear(self.fill) if self.fill else not self._has_stroke
 
     @property
     def is_unseen(self) -> bool:
         """Whether nothing shows a shape: neither fill, by its own word or a group's, nor stroke. Programs write pages and artboards so."""
-        return bool("fill-opacity" in self.clear or CLEAR.fullmatch(self.fill)) and not self._has_stroke
+        return ("fill-opacity" in self.clear or self._is_clear(self.fill)) and not self._has_stroke
 
     @property
     def _has_stroke(self) -> bool:
-        return bool(self.stroke) and not CLEAR.fullmatch(self.stroke) and "stroke-opacity" not in self.clear
+        return bool(self.stroke) and not self._is_clear(self.stroke) and "stroke-opacity" not in self.clear
+
+    def _is_clear(self, paint: str) -> bool:
+        return CLEAR.fullmatch(self.colour if paint == "currentcolor" else paint) is not None
 
 
 def is_zero(opacity: str) -> bool:
@@ -92,20 +104,26 @@ class StyleSheet:
     def __init__(self, text: str) -> None:
         self._rules: dict[str, list[Rule]] = {}
         self.unread = 0  # rules for our properties whose selectors are not read
+        self.may_paint = False  # whether one of them gives more than sizes
         for place, (selectors, body) in enumerate(_blocks(text)):
             if not (values := _values(body)):
                 continue
             for selector in selectors.split(","):
                 parts = PART.findall(selector)
                 if not parts or "".join(parts) != selector.strip():
-                    self.unread += not STATES.search(selector)
+                    if not STATES.search(selector):
+                        self.unread += 1
+                        self.may_paint |= not values.keys() <= set(SIZES)
                     continue
                 ids, classes, any_kind = (sum(part[0] == sign for part in parts) for sign in "#.*")
                 weight = (ids, classes, len(parts) - ids - classes - any_kind, place)
                 self._rules.setdefault(parts[-1], []).append(Rule(frozenset(parts), weight, values))
 
     def properties(self, element: ElementTree.Element, kind: str) -> dict[str, str]:
-        """Properties that are given to an element itself: `style` wins over the sheet, the sheet over attributes."""
+        """Properties that are given to an element itself: `style` wins over the sheet, the sheet over attributes.
+
+        SIZES are among them where a style gives them.
+        """
         names = {"*", kind, f"#{element.get('id', '')}", *(f".{name}" for name in element.get("class", "").split())}
         rules = sorted((rule for name in names for rule in self._rules.get(name, ()) if rule.parts <= names), key=lambda rule: rule.weight)
         sources = [rule.values for rule in rules] + [_values(element.get("style", ""))]
@@ -141,11 +159,12 @@ def _blocks(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _values(text: str) -> dict[str, tuple[str, bool]]:
-    """Values of our PROPERTIES in a list of declarations, and whether each is marked as important."""
+    """Values of our PROPERTIES and SIZES in a list of declarations, and whether each is marked as important."""
     found: dict[str, tuple[str, bool]] = {}
     for entry in text.split(";"):
         name, _, value = entry.partition(":")
-        if (key := name.strip().lower()) in PROPERTIES:
-            plain = IMPORTANT.sub("", value.strip().lower())
+        key = name.strip().lower()
+        plain = IMPORTANT.sub("", value.strip().lower())
+        if key in PROPERTIES or (key in SIZES and not NO_LENGTH.fullmatch(plain)):
             found[key] = (plain.strip(), plain != value.strip().lower())
     return found

@@ -308,6 +308,8 @@ HIDING = {  # what hides one rectangle
     "transparent": f'<g fill="transparent" stroke="rgba(0, 0, 0, 0)">{ONE}</g>',
     "rgb with an opacity": f'<g fill="rgb(255 255 255 / 0%)">{ONE}</g>',
     "hex with an opacity": f'<g fill="#FFF0" stroke="#12345600">{ONE}</g>',
+    "colour of a space with an opacity": f'<g fill="color(srgb 1 0 0 / 0)" stroke="oklch(40% 0.2 20 / 0%)">{ONE}</g>',
+    "current colour": f'<g style="color:transparent"><g fill="currentColor" stroke="currentColor">{ONE}</g></g>',
 }
 SHOWING = {  # what hides nothing
     "style over sheet": f"<style>.a{{display:none}}</style><g class='a' style='display:inline'>{ONE}</g>",
@@ -324,6 +326,8 @@ SHOWING = {  # what hides nothing
     "stroke beside a fill without opacity": f'<g fill-opacity="0" stroke="#000">{ONE}</g>',
     "black": f'<g fill="rgb(0,0,0)" stroke="none">{ONE}</g>',
     "nearly clear": f'<g fill="rgba(0,0,0,0.05)">{ONE}</g>',
+    "red of a colour space": f'<g fill="color(srgb 1 0 0)">{ONE}</g>',
+    "current colour": f'<g color="transparent"><g color="red" fill="currentColor">{ONE}</g></g>',
     "yellow": f'<g fill="#ff00" stroke="#ff0000">{ONE}</g>',
 }
 
@@ -340,6 +344,38 @@ def test_what_is_not_hidden_is_read(name: str) -> None:
     drawn = read(SHOWING[name])
     assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
     assert drawn.ignored == {}
+
+
+RED = "<rect class='a' x='50' y='50' width='7' height='7'/>"
+STYLED = {  # sizes and places of styles, and the box that they give, m
+    "sheet": (f"<style>rect {{width: 200px; height: 100px; x: 5%; y: 0}}</style>{RED}", [0.1, -0.1, 0.3, 0.0]),
+    "style": ("<rect x='1' width='7' height='100' style='x: 100px; width: 20cm'/>", [0.1, -0.1, 0.1 + 0.2 * 96.0 / 25.4, 0.0]),
+    "style over sheet": ("<style>.a {width: 1px}</style>" + RED.replace("/>", " style='width:50px'/>"), [0.05, -0.057, 0.1, -0.05]),
+    "without a unit": ("<rect width='200' height='100' style='width: 300; height: -5.5; x: 0.0'/>", [0.0, -0.1, 0.2, 0.0]),
+    "circle": ("<circle cx='1' r='1' style='cx: 500px; cy: 50px; r: 50px'/>", [0.45, -0.1, 0.55, 0.0]),
+    "ellipse": ("<style>#e {rx: 100px; ry: 50px}</style><ellipse id='e' cx='100' cy='50'/>", [0.0, -0.1, 0.2, 0.0]),
+    "copy": (f"<style>use {{x: 100px}}</style><defs><g id='o'>{RED}</g></defs><use href='#o'/>", [0.15, -0.057, 0.157, -0.05]),
+    "nested page": ("<svg viewBox='0 0 1 1' style='width: 100px; height: 100px'><rect width='1' height='1'/></svg>", [0.0, -0.1, 0.1, 0.0]),
+}
+
+
+@pytest.mark.parametrize("name", STYLED)
+def test_sizes_and_places_of_styles_are_read(name: str) -> None:
+    body, expected = STYLED[name]
+    drawn = read(body)
+    assert box(drawn) == pytest.approx(expected, abs=SAGITTA if name in ("circle", "ellipse") else ROUND_OFF)
+
+
+def test_sizes_of_styles_that_are_not_read_are_refused() -> None:
+    assert 'has a <rect> with width = "calc(10px + 1%)", which is no number' in refusal("<rect height='1' style='width: calc(10px + 1%)'/>")
+    path = "<path d='M0 0h9v9z' style='d: path(&quot;M0 0h5v5z&quot;)'/>"
+    assert "has a <path> whose d is in a style, which is not read" in refusal(path)
+
+
+def test_an_unread_rule_about_sizes_alone_paints_nothing() -> None:
+    drawn = read(f"<style>g > rect {{width: 5px}}</style><g fill='none'>{ONE}</g>{ONE}")
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
+    assert drawn.ignored == {"hidden entities": 1, "rules of style sheets": 1}
 
 
 HALF = "<clipPath id='half'><rect width='500' height='100'/></clipPath>"
