@@ -8,7 +8,8 @@ from typing import Any
 
 from comparison.cli import tables
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL, USAGE
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL, USAGE, complain_of
+from comparison.errors import PrinterMissingError
 from comparison.judge import refuses_setting
 from comparison.numbers import plural
 from comparison.provenance import describe
@@ -25,6 +26,8 @@ def conclude(
 ) -> int:
     """Write the report of each folder, print verdict tables or one JSON object, and return the most severe exit code.
 
+    A report that cannot be written gets an error message: all results are stored by then, and the others do not need it.
+
     reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
     scenes whose results cannot be read. keep_head: whether a report keeps the words that an earlier command chose for its head.
     """
@@ -37,18 +40,24 @@ def conclude(
         if not comparisons:  # the report of earlier results stays where none can be read
             continue
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
+        written: list[Path] = []
+        failure: Exception | None = None
         try:
-            page = write_report(folder, comparisons, describe(), head, unread)
-        finally:  # a full disk takes no verdict away, for all results are stored by now
+            written.append(write_report(folder, comparisons, describe(), head, unread))
+            if getattr(context.options, "pdf", False):
+                written.append(write_pdf(written[0]))
+        except (OSError, PrinterMissingError) as error:
+            failure = error
+        finally:  # also where somebody interrupts it
             if not as_json:
                 _print_verdicts(comparisons, again, context)
         if not as_json:
-            out.print(f"report: {os.path.relpath(page)}", markup=False)
-        if getattr(context.options, "pdf", False):
-            pdf = write_pdf(page)
-            if not as_json:
-                out.print(f"report: {os.path.relpath(pdf)}", markup=False)
-        _tell_of_others(folder, {comparison["scene"] for comparison in comparisons}.union(unread), context)
+            for path in written:
+                out.print(f"report: {os.path.relpath(path)}", markup=False)
+        if failure:
+            codes.append(complain_of(failure))
+        if written:
+            _tell_of_others(folder, {comparison["scene"] for comparison in comparisons}.union(unread), context)
         deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
         codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:

@@ -42,7 +42,12 @@ def code_of(command: Callable[[], int]) -> int:
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, OSError) and error.filename is None:
             _discard_stdout()
-        return complain(message_of(error), _code(error))
+        return complain_of(error)
+
+
+def complain_of(error: BaseException) -> int:
+    """Print the message of an error on stderr and return its exit code."""
+    return complain(message_of(error), _code(error))
 
 
 def _code(error: BaseException) -> int:

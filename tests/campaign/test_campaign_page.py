@@ -148,6 +148,22 @@ def test_a_folder_of_figures_that_is_a_link_is_refused_and_what_lies_there_stays
     assert {path.name: path.read_bytes() for path in elsewhere.iterdir()} == {"reaction-1.png": b"the user's own"}
 
 
+def test_a_campaign_whose_page_cannot_be_written_or_that_cannot_be_read_keeps_no_other_one_from_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folders = [tmp_path / name for name in ("closed", "damaged", "whole")]
+    for folder in folders:
+        write_campaign(campaign(folder, "one case"))
+    (folders[0] / "figures").symlink_to(tmp_path)
+    (folders[1] / "campaign.json").write_text("{}")
+    assert main(["report", *map(str, folders), "-q"]) == TOOL
+    said = capsys.readouterr()
+    assert f"{folders[0] / 'figures'}: is a symbolic link" in said.err and f"{folders[1] / 'campaign.json'}: changed or" in said.err
+    assert said.err.count("error: ") == 2 and said.out.count("1 case: 1 agree") == 1 and (folders[2] / "report.html").is_file()
+    assert main(["report", *map(str, folders), "-q", "--json"]) == TOOL
+    assert [report["counts"] for report in json.loads(capsys.readouterr().out)["reports"]] == [{"agree": 1}] * 2
+
+
 def test_only_figures_of_this_program_s_own_naming_are_taken_away(tmp_path: Path) -> None:
     table = campaign(tmp_path)
     theirs = ("site.png", "reaction-old.png", "map-1.jpeg", "reaction-1-annotated.png", "notes.part")

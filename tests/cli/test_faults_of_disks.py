@@ -1,9 +1,12 @@
 """Full disks, folders that cannot be written and memory at an end are named, leave nothing half written, and the next call recovers."""
 
+import json
 import os
 import resource
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import pytest
@@ -85,6 +88,40 @@ def test_a_disk_that_fills_up_at_the_report_takes_no_verdict_away(
     told = capsys.readouterr()
     assert "expected value met" in told.out and "report:" not in told.out
     one_message(told.err, "report.html: No space left on device")
+
+
+@pytest.mark.parametrize(("module", "write"), [("conclude", "write_report"), ("scene_verbs.report", "report_again")])
+def test_a_report_that_cannot_be_written_keeps_no_other_folder_from_its_own(
+    module: str,
+    write: str,
+    without_yade: Path,
+    tmp_path: Path,
+    plain_figures: None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    full, other = (shutil.copytree(without_yade, tmp_path / name) for name in ("full", "other"))
+    (other / "report.html").unlink()
+    whole = f"comparison.cli.{module}.{write}"
+    original = resolve_name(whole)
+
+    def fill(folder: Path, *rest: Any, **named: Any) -> Any:
+        if folder.is_relative_to(full):
+            raise OSError(28, os.strerror(28), str(folder))
+        return original(folder, *rest, **named)
+
+    monkeypatch.setattr(whole, fill)
+    assert main(["report", str(full), str(other), "-q"]) == TOOL
+    told = capsys.readouterr()
+    one_message(told.err, f"{full}", "No space left on device")
+    assert told.out.count("report:") == 1 and (other / "report.html").is_file()
+    assert main(["report", str(full), str(other), "-q", "--json"]) == TOOL
+    first, second = json.loads(capsys.readouterr().out)["reports"]
+    has_verdict = write == "write_report"  # which comes after all comparisons
+    assert (len(first["comparisons"]), first["left_out"]) == ((1, []) if has_verdict else (0, ["two_pads"]))
+    assert len(second["comparisons"]) == 1 and second["left_out"] == []
+    assert main(["report", str(full), "-q", "--json"]) == TOOL
+    assert len(json.loads(capsys.readouterr().out)["comparisons"]) == int(has_verdict)
 
 
 @pytest.mark.parametrize(("option", "word"), [("-q", "Coulomb, elastic joints"), ("--json", '"trials"')])

@@ -6,7 +6,7 @@ from typing import Any, NoReturn
 
 from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
+from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain, complain_of
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import ASK_OWNER, FolderInUseError
 from comparison.progress import Narration
@@ -22,8 +22,8 @@ RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them tells
 def execute(context: Context) -> int:
     """Write every folder's report again and return the most severe exit code.
 
-    A scene whose results cannot be read gets an error message, and the report of the others names it. Raises SceneError for a folder
-    without results.
+    A scene whose results cannot be read gets an error message, and the report of the others names it. Where results cannot be written,
+    the folder keeps the report that it has. Raises SceneError for a folder without results.
     """
     folders = []
     for named in context.options.folders:
@@ -45,13 +45,17 @@ def execute(context: Context) -> int:
             cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases and folder not in left_out:
                 _refuse_without_results(folder)
-            comparisons = []
+            comparisons: list[dict[str, Any]] = []
             for case in cases:
                 try:
                     comparisons.append(report_again(case, narration))
                 except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)
+                except OSError as error:  # such as a full disk: a page would lack figures that were deleted
+                    broken = max(broken, complain_of(error), key=SEVERITY.index)
+                    comparisons, left_out[folder] = [], [each.name for each in cases]
+                    break
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
 
