@@ -80,10 +80,10 @@ def test_a_disk_that_fills_up_at_the_report_takes_no_verdict_away(
 ) -> None:
     """All results are stored by then, and the user waited for the verdict."""
 
-    def full(folder: Path, *_: object) -> Path:
+    def fill(folder: Path, *_: object) -> Path:
         raise OSError(28, os.strerror(28), str(folder / "report.html"))
 
-    monkeypatch.setattr("comparison.cli.conclude.write_report", full)
+    monkeypatch.setattr("comparison.cli.conclude.write_report", fill)
     assert main(["run", "two_pads", "-o", str(tmp_path), "--no-yade", "-q"]) == TOOL
     told = capsys.readouterr()
     assert "expected value met" in told.out and "report:" not in told.out
@@ -100,42 +100,55 @@ def test_a_report_that_cannot_be_written_keeps_no_other_folder_from_its_own(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    full, other = (shutil.copytree(without_yade, tmp_path / name) for name in ("full", "other"))
+    filled, other = (shutil.copytree(without_yade, tmp_path / name) for name in ("filled", "other"))
     (other / "report.html").unlink()
     whole = f"comparison.cli.{module}.{write}"
     original = resolve_name(whole)
 
     def fill(folder: Path, *rest: Any, **named: Any) -> Any:
-        if folder.is_relative_to(full):
+        if folder.is_relative_to(filled):
             raise OSError(28, os.strerror(28), str(folder))
         return original(folder, *rest, **named)
 
     monkeypatch.setattr(whole, fill)
-    assert main(["report", str(full), str(other), "-q"]) == TOOL
+    assert main(["report", str(filled), str(other), "-q"]) == TOOL
     told = capsys.readouterr()
-    one_message(told.err, f"{full}", "No space left on device")
+    one_message(told.err, f"{filled}", "No space left on device")
     assert told.out.count("report:") == 1 and (other / "report.html").is_file()
-    assert main(["report", str(full), str(other), "-q", "--json"]) == TOOL
+    assert main(["report", str(filled), str(other), "-q", "--json"]) == TOOL
     first, second = json.loads(capsys.readouterr().out)["reports"]
     has_verdict = write == "write_report"  # which comes after all comparisons
     assert (len(first["comparisons"]), first["left_out"]) == ((1, []) if has_verdict else (0, ["two_pads"]))
     assert len(second["comparisons"]) == 1 and second["left_out"] == []
-    assert main(["report", str(full), "-q", "--json"]) == TOOL
+    assert main(["report", str(filled), "-q", "--json"]) == TOOL
     assert len(json.loads(capsys.readouterr().out)["comparisons"]) == int(has_verdict)
+
+
+def full(_: object, path: Path) -> None:
+    raise OSError(28, os.strerror(28), str(path))
 
 
 @pytest.mark.parametrize(("option", "word"), [("-q", "Coulomb, elastic joints"), ("--json", '"trials"')])
 def test_a_disk_that_fills_up_at_the_figure_of_a_study_takes_no_number_away(
     option: str, word: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def full(_: object, path: Path) -> None:
-        raise OSError(28, os.strerror(28), str(path))
-
     monkeypatch.setattr("comparison.cli.study_verbs.sensitivity.save", full)
     assert main(["sensitivity", "two_pads", "-o", str(tmp_path / "figure.png"), "-q", option]) == TOOL
     told = capsys.readouterr()
     assert word in told.out
     one_message(told.err, "figure.png: No space left on device")
+
+
+@pytest.mark.parametrize(("option", "word"), [("-q", "errors are relative to"), ("--json", '"ladders"')])
+def test_a_disk_that_fills_up_at_the_figure_of_the_costs_takes_no_number_away(
+    option: str, word: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("comparison.cli.study_verbs.cost.save", full)
+    monkeypatch.setattr("comparison.studies.cost.REPEATS", 1)
+    assert main(["cost", "two_pads", "--no-yade", "-o", str(tmp_path), "-q", option]) == TOOL
+    told = capsys.readouterr()
+    assert word in told.out and (tmp_path / "two_pads-cost.json").is_file()
+    one_message(told.err, "two_pads-cost.png: No space left on device")
 
 
 def limited(size: int) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import refuse_names, write_text
 from comparison.studies import CostStudy, cost, cost_dict, cost_figure, study_cost
-from la_core.scene import Scene, load_scene, shipped
+from la_core.scene import load_scene, shipped
 
 CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a narrow table leaves out, the first to go first
 
@@ -20,26 +20,32 @@ def execute(context: Context) -> int:
     options = context.options
     scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
     refuse_names(scenes)
-    with Narration(context.narrator) as narration:
-        ladders = [climb_and_draw(scene, options.output, not options.no_yade, narration, options.workers) for scene in scenes]
-    if options.json:
-        context.print_json({"ladders": [cost_dict(ladder) for ladder in ladders]})
-    else:
-        for ladder in ladders:
-            for target in ladder.references:
-                context.table(cost.cost_table(ladder, target), CAN_GO)
+    options.output.mkdir(parents=True, exist_ok=True)  # a folder that cannot be made is told before the measurement
+    ladders: list[CostStudy] = []
+    try:
+        with Narration(context.narrator) as narration:
+            for scene in scenes:
+                ladders.append(study_cost(scene, not options.no_yade, narration, options.workers))
+                _store(ladders[-1], options.output / f"{scene.name}-cost")
+    finally:  # a full disk takes no numbers away, which may be stored nowhere
+        if ladders:
+            _print(ladders, context)
     context.narrator.print(f"drawn in {options.output}", markup=False)
     return AGREE
 
 
-def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration, workers: int = 1) -> CostStudy:
-    """Run every setting of every method on a scene, and write the figure and the numbers into a folder.
+def _print(ladders: list[CostStudy], context: Context) -> None:
+    """Print a table for each reference of each study, or all of them as JSON."""
+    if context.options.json:
+        context.print_json({"ladders": [cost_dict(ladder) for ladder in ladders]})
+        return
+    for ladder in ladders:
+        for target in ladder.references:
+            context.table(cost.cost_table(ladder, target), CAN_GO)
 
-    with_yade, narration, workers: as in `study_cost`. Raises SceneError for a structure without an answer.
-    """
-    folder.mkdir(parents=True, exist_ok=True)  # a folder that cannot be made is told before the measurement
-    ladder = study_cost(scene, with_yade, narration, workers)
-    save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
+
+def _store(ladder: CostStudy, stem: Path) -> None:
+    """Write the numbers of a study, then its figure, to `stem` with the endings .json and .png."""
     stored = cost_dict(ladder) | {"provenance": describe()}
-    write_text(folder / f"{scene.name}-cost.json", json.dumps(stored, indent=2, ensure_ascii=False) + "\n")
-    return ladder
+    write_text(stem.with_name(f"{stem.name}.json"), json.dumps(stored, indent=2, ensure_ascii=False) + "\n")
+    save(cost_figure(ladder), stem.with_name(f"{stem.name}.png"))
