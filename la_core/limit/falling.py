@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from la_core.limit.conic import optimum
-from la_core.limit.problem import box_limits, scaled_problem
+from la_core.limit.conic import Programme
+from la_core.limit.problem import scaled_problem
 from la_core.measures import block_speeds, corner_speeds
 from la_core.model import Assembly, twists_of
 
@@ -27,10 +27,14 @@ def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
 def share_of_free_fall(assembly: Assembly) -> float:
     """How fast a structure that cannot stand starts to fall: 1 in free fall, near 0 where it lacks little balance.
 
-    It is the power of the weights, loads and ties in the motion that gives them the greatest one, over the sum of the weight of every
-    block times the speed of its fastest corner.
+    It is the power of the weights, loads and ties in the motion into which they accelerate the structure, over the sum of the weight of
+    every block times the speed of its fastest corner. This motion is the nearest one to free fall that the joints allow, by the masses of
+    the blocks (Gauss's principle of least constraint); turning counts as a motion of a mean block's size.
     """
     problem = scaled_problem(assembly)
-    twists = twists_of(assembly, optimum(problem.power, *box_limits(problem)).x)
+    free_blocks = int(assembly.blocks.free.sum())
+    masses = assembly.block_weight[assembly.blocks.free] / assembly.weight * free_blocks  # over the mean one, so of order one
+    programme = Programme(problem.rows, problem.cones, np.repeat(masses, len(problem.power) // free_blocks))
+    twists = twists_of(assembly, programme.solve(problem.power * free_blocks, np.zeros(problem.rows.shape[0])).x)
     power = float(np.sum(assembly.dead_load * twists))
     return power / float(assembly.block_weight @ block_speeds(assembly.blocks, twists))

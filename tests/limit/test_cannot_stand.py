@@ -250,6 +250,25 @@ def test_a_block_between_smooth_walls_falls_freely() -> None:
 
 
 @both_models
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_block_beside_one_wall_falls_along_it(friction: float, plane: bool) -> None:
+    """A smooth wall does not turn it aside. Along a rough one the flow rule moves it away by the friction coefficient."""
+    wall = scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "support")
+    assembly = assemble(scenes.build(wall, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=friction, plane=plane))
+    assert share_of_free_fall(assembly) == pytest.approx(1.0 / np.hypot(1.0, friction), rel=1e-6)
+
+
+@both_models
+def test_what_hardly_moves_beside_a_falling_block_makes_its_fall_no_slower(plane: bool) -> None:
+    """A small block falls along a wall, and a large one tips so little that it hardly moves."""
+    pad = scenes.box("pad", (-1.0, 0.0, -0.2), (0.0, 1.0, 0.0), "support")
+    tipping = scenes.box("tipping", (-1.0, 0.0, 0.0), (1.002, 1.0, 0.4))
+    falling, wall = scenes.box("falling", (2.0, 0.0, 0.0), (2.4, 1.0, 0.4)), scenes.box("wall", (2.4, 0.0, 0.0), (3.0, 1.0, 0.4), "fixed")
+    share = share_of_free_fall(assemble(scenes.build(pad, tipping, falling, wall, friction=0.3, plane=plane)))
+    assert share == pytest.approx(1.0 / np.hypot(1.0, 0.3), rel=0.01)
+
+
+@both_models
 @pytest.mark.parametrize("beyond", [0.5, 0.01])
 def test_a_block_that_tips_falls_by_what_its_centroid_is_beyond_the_edge(beyond: float, plane: bool) -> None:
     """About the edge its centroid sinks by its distance from it, and its farthest corner moves by its own."""
