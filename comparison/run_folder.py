@@ -23,6 +23,7 @@ LONGEST_NAME = 240  # bytes: file systems allow 255, and a second attempt adds t
 MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
+CASES = "cases"  # folder of the folders of a campaign's cases
 OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
 HEAD = ("title", "project", "author", "date")  # words of a report's head, which a command may choose
 DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on

@@ -15,11 +15,10 @@ from comparison.campaign.definition import Definition
 from comparison.campaign.job import LOADED, Job, JobOutcome, digest, stored_outcome
 from comparison.progress import CampaignNarration
 from comparison.provenance import describe
-from comparison.run_folder import DEFINITION, REPORTS, alone_in, write_text
+from comparison.run_folder import CASES, DEFINITION, REPORTS, alone_in, write_text
 from la_core.exchange import ExchangeError
 from la_core.limit import ClassicParameters
 
-CASES = "cases"  # folder of the cases' folders
 LOOKS_EVERY = 0.5  # s
 WRITES_EVERY = 10.0  # s between tables, while cases end
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from comparison.run_folder import CASES
 from comparison.settings import load_settings
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file, has_given_stiffness
@@ -138,5 +139,7 @@ def locate_results(source: str) -> list[Path]:
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))
     if not runs and not is_scene:
-        raise SceneError(source, "holds no results of `crosscheck run`", hint="name a folder of results, or a scene")
+        cases = sorted(path.parent.parent for path in folder.glob(f"{CASES}/*/*/case.h5"))  # of a campaign
+        hint = f'name the folder of one of its cases, such as "{cases[0]}"' if cases else "name a folder of results, or a scene"
+        raise SceneError(source, "holds no results of `crosscheck run`", hint=hint)
     return runs

@@ -1,6 +1,7 @@
 """Exported files as VTK's own reader sees them: the geometry, the mechanisms, and forces that carry the weight."""
 
 import json
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -245,6 +246,11 @@ def test_cases_of_a_campaign_are_exported_into_folders_of_their_own(
     text = 'yade = false\n[[sweep]]\nscene = "two_blocks"\nvary = { "joint.friction" = [0.3, 0.6] }\n'
     (tmp_path / "friction.toml").write_text(text, encoding="utf-8")
     assert main(["campaign", "friction.toml", "-o", "out", "--workers", "1", "-q"]) == 0
+    capsys.readouterr()
+    for command in ("export", "animate"):
+        assert main([command, "out"]) == 2
+        (words,) = re.findall('name the folder of one of its cases, such as "(out/cases/[^"]+)"', capsys.readouterr().err)
+        assert (Path(words) / "outcome.json").is_file()
     capsys.readouterr()
     cases = [f"two_blocks_friction={friction}" for friction in (0.3, 0.6)]
     for source in (f"out/cases/{cases[0]}", f"out/cases/{cases[1]}/two_blocks"):
