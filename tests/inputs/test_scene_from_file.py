@@ -163,6 +163,23 @@ def test_what_is_no_drawing_is_refused(name: str, words: str, tmp_path: Path, ca
     assert words in capsys.readouterr().err
 
 
+def test_bodies_in_the_current_folder_become_a_scene_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    meshes.as_ply_folder(tmp_path)
+    monkeypatch.chdir(tmp_path / "stones")
+    assert main(["new", "--from", ".", "-q"]) == 0
+    assert len(load_scene(tmp_path / "stones.toml").blocks) >= len(meshes.wall())
+
+
+@pytest.mark.parametrize(("name", "words"), [("bodies.v1", 'whose name ends in ".v1" is taken for a file'), ("/", "/: has no name")])
+def test_a_folder_that_gives_a_scene_no_name_is_refused(
+    name: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bodies.v1").mkdir()
+    assert main(["new", "--from", name]) == 2
+    assert words in capsys.readouterr().err
+
+
 def test_a_drawing_on_paper_is_told_to_state_its_scale(tmp_path: Path) -> None:
     """At 1 : 50 a block of 0.5 m is 10 mm long; the scale that the comment asks for is a key of the table."""
     page = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'

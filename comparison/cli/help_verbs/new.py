@@ -27,7 +27,10 @@ def execute(context: Context) -> int:
 
 def write_from(context: Context, source: Path) -> int:
     """Write a scene for a file beside it, and say whether it can be read."""
-    path = context.options.output or source.with_suffix(".toml")
+    named = source if source.name.strip(".") else source.resolve()  # "." and ".." have no name of their own
+    if not named.name:
+        raise SceneError(str(source), "has no name, and no folder beside it for a scene", hint="name the file or folder of the bodies")
+    path = context.options.output or named.with_suffix(".toml")
     _write(context, "from file", scene_from_file(source, path.parent), path)
     try:
         blocks = len(load_scene(path).blocks)
