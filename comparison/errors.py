@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 
 from la_core.errors import OF_LOCALE, SceneError, is_of_locale, missing_part, visible
-from la_core.exchange import ExchangeError
+from la_core.exchange import ASK_OWNER, ExchangeError
 
 
 class FolderInUseError(Exception):
@@ -42,7 +42,6 @@ _WITH_A_MESSAGE = (
 _NO_ROOM = "failed to map segment"  # words of the system's loader where memory is too short for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
-ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"
 _NEXT_STEP = {  # by the number of a system's error
     errno.ENOSPC: _FREE_SPACE,
     errno.EDQUOT: _FREE_SPACE,

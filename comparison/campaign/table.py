@@ -22,7 +22,7 @@ from comparison.campaign.columns import COSTS, Column, Kind, result_columns
 from comparison.numbers import plural
 from comparison.run_folder import read_text, write_text
 from la_core import exchange
-from la_core.exchange import ExchangeError, write_whole
+from la_core.exchange import ASK_OWNER, ExchangeError, write_whole
 
 STORED = "campaign.json"
 EARLIER = {"expected value met": "expected"}  # verdicts by the words of tables that an earlier program stored
@@ -87,6 +87,8 @@ def read_table(folder: Path) -> CampaignTable:
     except (FileNotFoundError, NotADirectoryError) as error:
         hint = "`crosscheck campaign FILE` makes some, in Python `comparison.run_campaign`"
         raise ExchangeError(f"{folder}: holds no results of `crosscheck campaign`; {hint}") from error
+    except PermissionError as error:
+        raise ExchangeError(f"{path}: {ASK_OWNER}") from error
     except OSError as error:
         raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run `crosscheck campaign` again") from error
     except (ValueError, RecursionError) as error:

@@ -1,6 +1,6 @@
 """The HDF5 contract with YADE: what `case.h5` and `run.h5` hold, how they are written, read and checked."""
 
-from la_core.exchange.checksummed_file import ExchangeError, write_whole
+from la_core.exchange.checksummed_file import ASK_OWNER, ExchangeError, write_whole
 from la_core.exchange.dem_settings import (
     AT_STAKE,
     JUMP,
@@ -52,6 +52,7 @@ from la_core.exchange.fields import (
 from la_core.exchange.hdf5 import holds, inputs_digest, present, read, values_of, write
 
 __all__ = [
+    "ASK_OWNER",
     "AT_STAKE",
     "CASE_FIELDS",
     "EARLIER_ATTEMPT",

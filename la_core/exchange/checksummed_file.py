@@ -12,6 +12,7 @@ from pathlib import Path
 
 VERSION = 3
 SEAL, SEAL_BYTES = b"crosscheck", 512  # the smallest user block of HDF5
+ASK_OWNER = "it may not be read by you: ask its owner to permit it (`chmod -R a+rX FOLDER`), or choose another folder"
 LARGEST_FILE = 4 * 2**30  # bytes; a file is read as a whole
 
 
@@ -66,5 +67,7 @@ def _bounded_content(path: Path) -> bytes:
             rule = f"larger than {LARGEST_FILE} bytes, so crosscheck did not write it"
             raise ExchangeError(f"{path}: {rule}; delete it and run the scene again")
         return path.read_bytes()
+    except PermissionError as error:
+        raise ExchangeError(f"{path}: {ASK_OWNER}") from error
     except OSError as error:
         raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run the scene again") from error

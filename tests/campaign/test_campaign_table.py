@@ -184,6 +184,15 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
         table.read_table(out)
 
 
+def test_a_table_that_may_not_be_read_is_one_to_ask_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def closed(path: Path) -> str:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(table, "read_text", closed)
+    with pytest.raises(ExchangeError, match=r"campaign.json: it may not be read by you: ask its owner"):
+        table.read_table(tmp_path)
+
+
 def test_a_folder_without_a_campaign_is_told_with_the_command_that_makes_one(tmp_path: Path) -> None:
     for folder in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(ExchangeError, match="holds no results of `crosscheck campaign`; `crosscheck campaign FILE` makes some") as told:

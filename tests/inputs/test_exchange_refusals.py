@@ -56,6 +56,17 @@ def test_missing_file(tmp_path) -> None:
     assert "cannot be read (No such file or directory); run the scene again" in refusal(tmp_path / "nothing.h5")
 
 
+def test_a_file_that_may_not_be_read_is_one_to_ask_for(tmp_path, monkeypatch) -> None:
+    """To run the scene again is of no use in another user's folder. Root may read everything, so the system's answer is imitated."""
+
+    def closed(path) -> bytes:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    (tmp_path / "case.h5").touch()
+    monkeypatch.setattr(Path, "read_bytes", closed)
+    assert "case.h5: it may not be read by you: ask its owner" in refusal(tmp_path / "case.h5")
+
+
 def test_folder_in_the_place_of_a_file(tmp_path) -> None:
     assert "not a file; delete or rename it" in refusal(tmp_path)
 

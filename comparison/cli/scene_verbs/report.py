@@ -8,13 +8,13 @@ from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain, complain_of
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
-from comparison.errors import ASK_OWNER, FolderInUseError
+from comparison.errors import FolderInUseError
 from comparison.progress import Narration
 from comparison.run_folder import DEFINITION, HEAD, alone_in, is_writable
 from comparison.workflow import report_again
 from comparison.yade import among_results
 from la_core.errors import SceneError
-from la_core.exchange import ExchangeError
+from la_core.exchange import ASK_OWNER, ExchangeError
 
 RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them tells that a scene was run there, though another may be missing
 
