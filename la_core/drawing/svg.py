@@ -17,7 +17,7 @@ import shapely
 from la_core.drawing.outlines import ABSENT, HIDDEN, REFERENCE, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
-from la_core.drawing.svg_styles import SIZES, UNREAD, Paint, StyleSheet, is_zero, sheet_of
+from la_core.drawing.svg_styles import MOVES, SIZES, UNREAD, Paint, StyleSheet, is_zero, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 ASKS = {"systemLanguage", "requiredExtensions", "requiredFeatures"}  # attributes of elements that not every program draws
@@ -190,6 +190,9 @@ class _Reader:
         displayed = around.displayed and given.get("display") != "none" and not is_zero(given.get("opacity", "1"))
         for told in {word for name, word in UNREAD.items() if displayed and given.get(name, "none") != "none"}:
             self.drawn.ignore(told)
+        for name in MOVES:
+            if displayed and (value := given.get(name, "none")) != "none":
+                raise ValueError(f'has {name} = "{value[:40]}" in a style, which is not read; apply it in the drawing program')
         if displayed and "transform" in given:
             if not set(origin) <= AT_ZERO:
                 shown = " ".join(origin)[:40]

@@ -10,6 +10,7 @@ from la_core.drawing.outlines import CLIPPED
 OPACITIES = ("fill-opacity", "stroke-opacity")
 READ = ("display", "visibility", "opacity", "color", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
 SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d")  # attributes of shapes that a style may give, too
+MOVES = ("translate", "rotate", "scale")  # what a style may give beside `transform`, and which is refused
 # Properties that change what is seen and are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
@@ -122,7 +123,7 @@ class StyleSheet:
     def properties(self, element: ElementTree.Element, kind: str) -> dict[str, str]:
         """Properties that are given to an element itself: `style` wins over the sheet, the sheet over attributes.
 
-        SIZES are among them where a style gives them.
+        SIZES and MOVES are among them where a style gives them.
         """
         names = {"*", kind, f"#{element.get('id', '')}", *(f".{name}" for name in element.get("class", "").split())}
         rules = sorted((rule for name in names for rule in self._rules.get(name, ()) if rule.parts <= names), key=lambda rule: rule.weight)
@@ -159,12 +160,12 @@ def _blocks(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _values(text: str) -> dict[str, tuple[str, bool]]:
-    """Values of our PROPERTIES and SIZES in a list of declarations, and whether each is marked as important."""
+    """Values of our PROPERTIES, SIZES and MOVES in a list of declarations, and whether each is marked as important."""
     found: dict[str, tuple[str, bool]] = {}
     for entry in text.split(";"):
         name, _, value = entry.partition(":")
         key = name.strip().lower()
         plain = IMPORTANT.sub("", value.strip().lower())
-        if key in PROPERTIES or (key in SIZES and not NO_LENGTH.fullmatch(plain)):
+        if key in PROPERTIES + MOVES or (key in SIZES and not NO_LENGTH.fullmatch(plain)):
             found[key] = (plain.strip(), plain != value.strip().lower())
     return found

@@ -177,6 +177,12 @@ def test_a_rotation_has_a_centre_and_numbers_need_no_comma() -> None:
     ) == pytest.approx([-0.01, -0.12, 0.19, -0.02], abs=ROUND_OFF)
 
 
+@pytest.mark.parametrize(("move", "value"), [("rotate", "30deg"), ("translate", "5px 1px"), ("scale", "2")])
+def test_a_move_of_a_style_that_is_not_read_is_refused(move: str, value: str) -> None:
+    assert f'has {move} = "{value}" in a style, which is not read' in refusal(f'<g style="{move}: {value}">{ONE}</g>')
+    assert area(read(f'<g style="{move}: none">{ONE}</g>')) == pytest.approx(0.1, rel=ROUND_OFF)
+
+
 @pytest.mark.parametrize(
     ("transform", "words"),
     [
