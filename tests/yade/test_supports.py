@@ -32,7 +32,8 @@ class HelixEngine(SimpleNamespace):
 
     def moves(self, point: np.ndarray) -> np.ndarray:
         along = getattr(self, "linearVelocity", 0.0) * self.rotationAxis
-        return getattr(self, "angularVelocity", 0.0) * np.cross(self.rotationAxis, point - self.zeroPoint) + along
+        arm = point - self.zeroPoint if self.rotateAroundZero else 0.0 * point  # else each body turns about its own centroid
+        return getattr(self, "angularVelocity", 0.0) * np.cross(self.rotationAxis, arm) + along
 
 
 @pytest.fixture(autouse=True)
