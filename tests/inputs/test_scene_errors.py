@@ -248,10 +248,15 @@ def test_plane_model_of_a_3d_scene(write_scene: WriteScene, two_pads) -> None:
     [
         ({}, ""),
         ({"settlement": (0.0, 1e-3, -1.0)}, "the support does not move in the xz plane"),
+        ({"settlement": (0.0, -1e-5, -1.0)}, "the support does not move in the xz plane"),
         ({"settlement": {"axis": (1.0, 0.0, 0.0), "point": (0.0, 0.0, 0.0)}}, "the support does not move in the xz plane"),
+        ({"settlement": {"axis": (0.0, 1.0, 1e-5), "point": (0.0, 0.0, 0.0)}}, "the support does not move in the xz plane"),
         ({"settlement": {"axis": (0.0, 1.0, 0.0), "point": (0.0, 0.0, 0.0)}}, ""),
+        ({"settlement": {"axis": (0.0, -1.0, 0.0), "point": (0.5, 7.0, 0.2)}}, ""),
         ({"gravity": (0.0, 0.01, -9.81)}, "gravity has a component along y"),
+        ({"gravity": (0.0, -1e-4, -9.81)}, "gravity has a component along y"),
         ({"live": (1.0, 0.01, 0.0)}, "the live load has a component along y"),
+        ({"live": (1.0, -1e-5, 0.0)}, "the live load has a component along y"),
         ({"live": (1.0, 0.0, 0.5)}, ""),
     ],
 )

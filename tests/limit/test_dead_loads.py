@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
-from loaded_scenes import BEAM, EXACT, PREDICTED, STACK, load, solved
+from loaded_scenes import BEAM, EXACT, PREDICTED, STACK, load, solved, tie
 
 import la_core
 from la_core.errors import SceneError
@@ -178,3 +178,36 @@ def test_a_load_beside_the_middle_makes_the_model_one_in_space() -> None:
     centred, beside = (scenes.build(*BEAM, load(mass=50.0, at=(0.4, y, 0.3))) for y in (0.5, 0.6))
     assert assemble(centred).effects.plane and not assemble(beside).effects.plane
     assert 'load or tie on block "beam" acts out of the xz plane' in assemble(beside).effects.reasons["plane"]
+
+
+@pytest.mark.parametrize(
+    ("force", "y", "plane"),
+    [
+        ((0.0, 0.0, -900.0), 0.5, True),
+        ((0.0, 5.0, -900.0), 0.5, False),  # across, through the centroid
+        ((0.0, -5.0, -900.0), 0.5, False),
+        ((0.0, 0.0, -900.0), 0.45, False),  # a moment about x
+        ((500.0, 0.0, 0.0), 0.5, True),
+        ((500.0, 0.0, 0.0), 0.55, False),  # a moment about z
+    ],
+)
+def test_a_force_across_or_beside_the_middle_makes_the_model_one_in_space(force: tuple[float, ...], y: float, plane: bool) -> None:
+    effects = assemble(scenes.build(*BEAM, load(force=force, at=(0.5, y, 0.15)))).effects
+    assert effects.plane is plane and plane != ('load or tie on block "beam" acts out of' in effects.reasons["plane"])
+
+
+@pytest.mark.parametrize("size", [900.0, -900.0])
+def test_a_tie_beside_the_middle_makes_the_model_one_in_space(size: float) -> None:
+    """A force against the pull of the tie, at its place, leaves nothing of both."""
+    rod = tie(["beam"], (0.5, 0.6, 0.3), (0.5, 0.6, 5.0), 900.0)
+    effects = assemble(scenes.build(*BEAM, rod, load(force=(0.0, 0.0, size), at=(0.5, 0.6, 0.3)))).effects
+    assert effects.plane is (size < 0.0)
+
+
+@pytest.mark.parametrize("push", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
+@pytest.mark.parametrize("y", [0.5, 0.6])
+def test_a_mass_beside_the_middle_is_pushed_there_although_a_force_bears_its_weight(y: float, push: tuple[float, ...]) -> None:
+    """The dead loads are in the plane then, and the push turns the block about z, or about x, where the mass lies beside the middle."""
+    carried = {"blocks": ["lower"], "at": (0.5, y, 0.1)}
+    loads = load(**carried, mass=100.0), load(**carried, force=(0.0, 0.0, 100.0 * 9.81))
+    assert assemble(scenes.build(*STACK[:2], *loads, live=push, settlement=None)).effects.plane is (y == 0.5)
