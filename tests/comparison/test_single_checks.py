@@ -102,8 +102,13 @@ def test_a_block_that_slides_under_a_live_load_has_the_friction_state_of_its_mul
 
 @pytest.mark.parametrize(
     ("shares", "verdict"),
-    [((0.9, 1.0, 1.0), Verdict.AGREE), ((1.1, 1.0, 1.0), Verdict.AGREE), ((1.0, 1.0, 1.1), Verdict.DISAGREE)],
-    ids=["less load", "more load", "more weight"],
+    [
+        ((0.9, 1.0, 1.0), Verdict.AGREE),
+        ((1.1, 1.0, 1.0), Verdict.AGREE),
+        ((1.0, 1.0, 1.1), Verdict.DISAGREE),
+        ((1.0, 1.0, 0.9), Verdict.DISAGREE),
+    ],
+    ids=["less load", "more load", "more weight", "less weight"],
 )
 def test_the_force_sums_under_a_live_load_are_those_of_equilibrium_at_yades_own_multiplier(
     shares: tuple[float, float, float], verdict: Verdict
@@ -272,6 +277,24 @@ def test_a_transverse_force_may_miss_its_range_by_a_share_of_the_weight(pads: Li
     """The reaction of a support that leaves alone is 0, while its blocks weigh as much as others."""
     check = named("support's force along", judged(pads, perfect_run(pads)))
     assert check.tolerance == pytest.approx(SECTION * pads.scene.weight)
+
+
+def test_a_transverse_force_may_be_as_large_as_friction_under_yades_own_forces_allows() -> None:
+    """A wall on the left: friction of the support may push the block against it, up to mu R. The stated plateau is another reaction."""
+    parts = (
+        scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
+        scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"),
+        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
+    )
+    analysis = analyse(scenes.build(*parts, friction=0.5, inset=1e-3))
+    weight, (a, b) = analysis.assembly.weight, analysis.assembly.contact_blocks
+    run = perfect_run(analysis, reaction=1.02 * weight, uncertainty=0.04 * weight)
+    on_base = (np.minimum(a, b) == 1) & (np.maximum(a, b) == 2)
+    run.poses.forces[:] = np.where(on_base, np.sign(b - a), 0.0)[:, None] * [0.0, 0.0, weight / on_base.sum()]
+    (check,) = (check for check in check_sections(Results(analysis, run)) if check.name == "support's force along x, in its range")
+    assert check.verdict is Verdict.AGREE and check.yade == pytest.approx(0.0, abs=1e-9)
+    tolerance = 0.005 * 1.02 + 0.04  # of the weight
+    assert check.range == pytest.approx((-0.5 * (1.0 + tolerance) * weight, 0.0), abs=1e-5 * weight)
 
 
 def test_an_expected_value_below_zero_is_met_to_a_requested_accuracy_of_its_size(pads: LimitAnalysis) -> None:

@@ -320,6 +320,10 @@ def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> Non
     (check,) = check_reach(Results(analysis, plateau_of(analysis, analysis.coulomb.forces + thrust)))
     assert check.verdict is Verdict.INCONCLUSIVE
     assert "would not stand" in check.reason and "reach = false" in check.next_step
+    moving = plateau_of(analysis, analysis.coulomb.forces)
+    moving.poses.displacement[1, analysis.assembly.aside] = 1.0
+    (check,) = check_reach(Results(analysis, moving))
+    assert check.verdict is Verdict.INCONCLUSIVE and "moves within" in check.reason
     whole = with_answers(analysis, assembly=assemble(scene))
     assert list(check_reach(Results(whole, plateau_of(analysis, analysis.coulomb.forces)))) == []
 

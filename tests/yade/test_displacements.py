@@ -107,6 +107,24 @@ def test_a_turn_counts_with_the_size_of_its_block() -> None:
     assert not bound[[0, *range(2, len(blocks))]].any()
 
 
+def test_a_displacement_is_the_largest_of_all_states_a_shift_and_a_turn_together() -> None:
+    """Half diagonals of 0.65 m and 0.15 m; the first block moves most on the way, the second one at the end."""
+    floor = scenes.box("floor", (-1.0, -1.0, -0.1), (9.0, 2.0, 0.0), "support")
+    boxes = scenes.box("large", (0.0, 0.0, 0.0), (0.3, 0.4, 1.2)), scenes.box("small", (5.0, 0.0, 0.0), (5.2, 0.2, 0.1))
+    blocks = assemble(scenes.build(*boxes, floor)).blocks
+    displacement, rotation = np.zeros((3, 3, 3)), np.zeros((3, 3, 3))
+    displacement[:, 0], rotation[:, 0] = np.outer([0.0, 1.0, 0.5], [0.003, 0.0, -0.004]), np.outer([0.0, 1.0, 0.5], [0.0, 0.002, 0.0])
+    displacement[2, 1], rotation[2, 1] = [0.0, 0.001, 0.0], [0.004, 0.0, -0.003]
+    run = made_up_run(poses={"displacement": displacement, "rotation": rotation})
+    assert largest_displacements(blocks, run) == pytest.approx([0.005 + 0.65 * 0.002, 0.001 + 0.15 * 0.005, 0.0])
+
+
+def test_a_run_that_stored_no_state_is_not_judged_by_its_displacements() -> None:
+    analysis = analyse(with_effects(TEXTS["two_pads"], displacement="small"))
+    none = made_up_run(poses={name: np.zeros((0, len(analysis.assembly.blocks), 3)) for name in ("displacement", "rotation")})
+    assert list(check_displacement(Results(analysis, none))) == []
+
+
 def test_an_undefined_displacement_decides_nothing() -> None:
     analysis = analyse(with_effects(TEXTS["two_pads"], displacement="small"))
     (check,) = check_displacement(Results(analysis, made_up(analysis.assembly, np.nan, 0.0)))
