@@ -267,6 +267,26 @@ def test_plane_model_is_taken_where_the_scene_allows_it(options, reason) -> None
     assert reason in effects.reasons["plane"]
 
 
+@pytest.mark.parametrize(
+    ("shape", "reason"),
+    [
+        ({"box": ((0.0, 0.0, 0.0), (1.0, 1.0, 0.5))}, ""),
+        ({"box": ((0.0, 0.1, 0.0), (1.0, 1.0, 0.5))}, 'block "stone" does not span the whole depth, y = 0 to 1 m'),
+        ({"box": ((0.0, 0.0, 0.0), (1.0, 0.9, 0.5))}, 'block "stone" does not span the whole depth, y = 0 to 1 m'),
+        (
+            {"polyhedron": [(x, y, z) for y, right in ((0.0, 1.0), (1.0, 0.7)) for x in (0.0, right) for z in (0.0, 0.5)]},
+            'block "stone" is not a prism along y',
+        ),
+    ],
+    ids=["whole", "begins later", "ends sooner", "tapered"],
+)
+def test_a_block_that_differs_along_the_depth_makes_the_model_one_in_space(shape, reason) -> None:
+    effects = assemble(
+        scenes.build(scenes.block("stone", **shape), scenes.box("base", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "support"))
+    ).effects
+    assert effects.plane is (reason == "") and reason in effects.reasons["plane"]
+
+
 def test_file_that_is_missing(tmp_path) -> None:
     message = refusal(tmp_path / "nowhere.toml")
     assert "cannot be read: No such file" in message and "crosscheck scenes" in message
