@@ -72,3 +72,55 @@ def test_a_value_for_sharp_edges_where_joints_slide_asks_for_the_inset_zero() ->
     assert step(corbel(0.001), expected) == next_steps.SHARP_EDGES
     (check,) = check_expected(analyse(la_core.variant(corbel(0.0), {"expected": expected})))
     assert check.verdict is Verdict.EXPECTED_MET
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "recognised"),
+    [
+        ("reaction_over_weight", 16.79, "in percent"),
+        ("reaction_over_weight", 16.95, ""),
+        ("reaction_over_weight", 16.53, "in percent"),
+        ("reaction_over_weight", 16.38, ""),
+        ("reaction_over_weight", 1.0 + 0.9e-6, "`reaction_max_over_weight`"),
+        ("reaction_over_weight", 1.0 + 2e-6, ""),
+        ("reaction_max_over_weight", 1.0 + 2e-6, ""),  # it is not met, and is no other value
+        ("associated_reaction_over_weight", 1 / 6 + 2e-6, ""),
+        ("reaction_over_weight", 9.4623, ""),  # degrees whose tangent is 1/6, but nothing tilts
+    ],
+)
+def test_a_slip_is_recognised_to_one_per_cent_and_another_key_to_the_tolerance(key: str, value: float, recognised: str) -> None:
+    found = step(la_core.load("two_pads"), {key: value, "tolerance": 1e-6})
+    assert recognised in found and (found == next_steps.CHECK_SOURCE) is (recognised == "")
+
+
+def test_a_shift_by_an_inset_is_told_up_to_twice_that_of_the_bound() -> None:
+    """The inset takes 1 mm off each end of the joint on the prop, and 1 mm off the edge that the blocks tip about."""
+    scene = corbel(0.001)
+    (check,) = check_expected(analyse(la_core.variant(scene, {"expected": {"reaction_over_weight": 0.0, "kind": "exact"}})))
+    computed = check.limit_analysis
+    assert computed is not None and "for an inset of 1 mm, but the scene expects 0." in check.reason
+    analysis = analyse(scene)
+    shift = abs(analysis.sharp.bounds[analysis.main].value - analysis.bounds[analysis.main].value) / scene.weight
+    steps = [step(scene, {"reaction_over_weight": computed + times * shift}) for times in (-1.9, 1.9, -2.1, 2.1)]
+    assert steps == 2 * [next_steps.SHARP_EDGES] + 2 * [next_steps.CHECK_SOURCE]
+
+
+def test_an_answer_for_sharp_edges_is_told_as_one() -> None:
+    (check,) = check_expected(analyse(la_core.variant("two_pads", {"expected": {"reaction_over_weight": 0.3, "kind": "exact"}})))
+    assert check.reason == "Limit analysis gives 0.166667 for sharp edges, but the scene expects 0.3."
+
+
+def test_the_sign_of_a_value_below_zero_is_not_said_to_be_positive() -> None:
+    """A support that is lifted works against the weight: its reaction along the motion is negative."""
+    lifted = la_core.variant("two_pads", {"settlement.direction": [0.0, 0.0, 1.0]})
+    analysis = analyse(la_core.variant(lifted, {"expected": {"reaction_over_weight": 0.0, "kind": "exact"}}))
+    (check,) = check_expected(analysis)
+    assert check.limit_analysis is not None and check.limit_analysis < -0.1
+    assert step(lifted, {"reaction_over_weight": -check.limit_analysis}) != next_steps.SIGN.format(quantity="reaction")
+
+
+@pytest.mark.parametrize("law", ["associated", "none-slides"])
+def test_a_bound_that_was_asked_for_is_compared_with_the_expected_value(law: str) -> None:
+    scene = la_core.variant("two_pads", {"effects.friction": law, "expected": {"reaction_over_weight": 1 / 6, "kind": "exact"}})
+    (check,) = check_expected(analyse(scene))
+    assert check.verdict is Verdict.EXPECTED_MET
