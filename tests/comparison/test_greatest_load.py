@@ -8,10 +8,13 @@ import scenes
 from runs import made_up_run
 
 from comparison.judge import greatest_load_summary
+from comparison.judge.greatest_load import _of_curve, _of_peak
 from comparison.report.plain_words import angle_words
 from comparison.yade import Results
 from la_core.analysis import analyse
 from la_core.analysis.result import LimitAnalysis
+from la_core.limit import Status
+from la_core.limit.problem import Drive
 
 
 def pushed(**changes: object) -> LimitAnalysis:
@@ -105,6 +108,40 @@ def test_the_peak_of_a_tilted_structure_is_told_as_an_angle_with_its_uncertainty
     coulomb = replace(analysis.coulomb, value=0.2, uncertainty=1e-4, peak=np.array([0.25, 0.001]))
     found = greatest_load_summary(Results(replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb))))
     assert found is not None and "rose to 0.250 ± 0.001 (14.04 ± 0.05 degrees) in limit analysis" in found["words"]  # atan(0.25)
+
+
+@pytest.mark.parametrize(
+    ("level", "uncertainty", "least"),
+    [(0.3, 0.002, 0.306), (-0.3, 0.002, -0.294), (0.3, 0.03, 0.334), (0.0, 0.0, 0.0011), (0.004, 0.0, 0.0051)],
+)
+def test_a_peak_is_above_its_plateau_by_both_uncertainties_and_a_hundredth(level: float, uncertainty: float, least: float) -> None:
+    """The peak is known to 0.001. The hundredth is one of the level, but at least of 0.01."""
+    told = [_of_peak(np.array([least + more, 0.001]), level, uncertainty, np.inf) for more in (-1e-5, 1e-5)]
+    assert told[0] is None and told[1] == (pytest.approx(least + 1e-5), 0.001)
+
+
+@pytest.mark.parametrize(
+    ("level", "uncertainty", "least"),
+    [(0.3, 0.0, 0.315), (0.3, 0.002, 0.317), (-0.3, 0.002, -0.283), (0.0, 0.0, 0.0005), (0.004, 0.0, 0.0045)],
+)
+def test_a_curve_is_above_its_plateau_by_its_uncertainty_and_a_twentieth(level: float, uncertainty: float, least: float) -> None:
+    """The twentieth is one of the level, but at least of 0.01."""
+    told = [_of_curve(np.array([-1.0, least + more, level]), level, uncertainty, np.inf) for more in (-1e-5, 1e-5)]
+    assert told[0] is None and told[1] is not None and told[1].greatest == pytest.approx(least + 1e-5) and np.isnan(told[1].uncertainty)
+
+
+def test_only_a_solved_bound_limits_a_load_and_only_a_plateau_of_yade_has_one_before_it() -> None:
+    way = {"path_settlement": np.linspace(0.0, 1e-3, 3), "path_value": np.array([0.0, 0.31, 0.2])}
+    analysis = pushed(value=0.2, uncertainty=1e-4, **way)
+    assert greatest_load_summary(Results(analysis)) is None  # beyond 0.3
+    bound = replace(analysis.bounds[Drive.LIVE], status=Status.INACCURATE)
+    doubtful = replace(analysis, at_inset=replace(analysis.at_inset, bounds={Drive.LIVE: bound}))
+    record = {"stage": np.ones(4, dtype=int), "settlement": np.linspace(0.0, 1e-3, 4), "reaction": np.array([0.0, 0.26, 0.21, 0.2])}
+    for status, methods in (("plateau", {"limit_analysis", "yade"}), ("no plateau", {"limit_analysis"})):
+        run = made_up_run({"status": status, "reaction": 0.2, "uncertainty": 0.002}, record)
+        found = greatest_load_summary(Results(doubtful, run))
+        assert found is not None and set(found) == methods | {"words"}  # without an uncertainty that is unknown
+        assert ("in YADE" in found["words"]) is (status == "plateau")
 
 
 def test_a_settlement_has_no_greatest_load() -> None:

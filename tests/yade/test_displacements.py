@@ -76,6 +76,19 @@ def test_the_least_gap_is_never_more_than_the_distance_of_any_two_blocks(seed: i
     assert pair is not None and 0.0 < gap <= min(apart)
 
 
+# --- recording ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("poses", "choice"), [(833_332, "states"), (833_333, "plateau")])
+def test_states_are_stored_up_to_200_megabytes(poses: int, choice: str) -> None:
+    """A state of 3 blocks and 4 contact points is 30 numbers of 8 bytes; the state at rest comes before the others."""
+    text = TEXTS["two_pads"] + scenes.table("yade", poses=poses) + "\n"
+    effects, _ = decided(with_effects(text))
+    assert effects.recording == choice and f"{poses + 1} states take 200 MB" in effects.reasons["recording"]
+    for asked in ("states", "plateau"):
+        assert decided(with_effects(text, recording=asked))[0].recording == asked
+
+
 # --- displacement: the guard ------------------------------------------------------------------------------------------------------
 
 
