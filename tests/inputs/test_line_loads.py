@@ -10,6 +10,7 @@ import pytest
 import la_core
 from la_core.errors import SceneError
 from la_core.scene import Scene
+from la_core.scene.loads.top_faces import _reached
 
 ANGLES = (0.0, 1.0, 2.5, 30.0, 45.0, 46.5, 90.0, 123.4, -60.0)
 LOAD = 10_000.0  # N/m
@@ -154,3 +155,55 @@ def upright(name: str, plan: list[tuple[float, ...]], low: float, high: float, b
     loops = [range(count - 1, -1, -1), range(count, 2 * count)]
     loops += [(k, (k + 1) % count, count + (k + 1) % count, count + k) for k in range(count)]
     return "\n".join([f"o {name}", *corners, *("f " + " ".join(str(first + k) for k in loop) for loop in loops)]) + "\n"
+
+
+# --- top faces by hand ------------------------------------------------------------------------------------------------------------
+
+
+def on_area(blocks: list[dict[str, Any]], loaded: list[str]) -> Scene:
+    ground = {"name": "ground", "role": "fixed", "box": {"from": [-5.0, -5.0, -0.2], "to": [5.0, 5.0, 0.0]}}
+    load = {"blocks": loaded, "per": "m2", "force": [0.0, 0.0, -LOAD]}
+    return built({"block": [ground, *blocks], "load": [load], "live": {"direction": [1.0, 0.0, 0.0]}})
+
+
+def prism(name: str, profile: list[tuple[float, float]]) -> dict[str, Any]:
+    """A stone of 1 m from front to back."""
+    return {"name": name, "prism": {"profile": [list(corner) for corner in profile], "y": [0.0, 1.0]}}
+
+
+@pytest.mark.parametrize("line", [False, True])
+@pytest.mark.parametrize(("left", "right"), [(0.2, 0.8), (0.8, 0.2), (0.5, 0.5)])
+def test_a_load_lies_on_a_slope_at_its_height(left: float, right: float, line: bool) -> None:
+    """On the face from (0, left) to (1, right): the middle of its plan is at x = 1/2, that of a line up to x = 1/2 at 1/4."""
+    stone = prism("stone", [(0.0, 0.0), (1.0, 0.0), (1.0, right), (0.0, left)])
+    if line:
+        ground = {"name": "ground", "role": "fixed", "box": {"from": [-5.0, -5.0, -0.2], "to": [5.0, 5.0, 0.0]}}
+        load = {"blocks": ["stone"], "per": "m", "from": [0.0, 0.5], "to": [0.5, 0.5], "force": [0.0, 0.0, -LOAD]}
+        scene = built({"block": [ground, stone], "load": [load], "live": {"direction": [1.0, 0.0, 0.0]}})
+    else:
+        scene = on_area([stone], ["stone"])
+    at = 0.25 if line else 0.5
+    assert scene.loads.point == pytest.approx(np.array([[at, 0.5, left + (right - left) * at]]))
+
+
+@pytest.mark.parametrize(("run", "carried_on"), [(0.05, 1), (0.21, 2), (0.3, 2)])
+def test_a_flank_is_a_top_face_from_a_normal_of_a_tenth_upwards(run: float, carried_on: int) -> None:
+    """The right flank of a trapezium of 1 m height goes out by `run`: its normal rises by run / sqrt(1 + run^2)."""
+    stone = prism("stone", [(0.0, 0.0), (1.0 + run, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    scene = on_area([stone], ["stone"])
+    assert len(scene.loads.block) == carried_on
+    assert carried(scene) == pytest.approx(1.0 + (run if carried_on == 2 else 0.0))
+
+
+@pytest.mark.parametrize(("cover", "area"), [(0.6, 2.0), (0.85, 2.0), (0.95, 1.0)])
+def test_a_face_is_a_joint_where_nine_tenths_of_it_are_covered(cover: float, area: float) -> None:
+    """The slope of a stone, 1 m2 in plan, carries another stone over a part of it; its level face beside it is open."""
+    stone = prism("stone", [(0.0, 0.0), (2.0, 0.0), (2.0, 0.5), (1.0, 1.0), (0.0, 1.0)])
+    rider = {"name": "rider", "prism": {"profile": [[1.0, 1.0], [2.0, 0.5], [2.0, 1.5], [1.0, 1.5]], "y": [0.0, cover]}}
+    scene = on_area([stone, rider], ["stone"])
+    assert carried(scene) == pytest.approx(area)
+
+
+def test_the_farthest_end_so_far_is_that_of_the_longest_stretch_of_a_group() -> None:
+    found = _reached(np.array([5.0, 2.0, 3.0, 4.0, 1.0]), np.array([0, 0, 0, 7, 7]), 10.0)
+    assert found[0] == -np.inf and found[1:3].tolist() == [5.0, 5.0] and found[3] < 0.0 and found[4] == 4.0
