@@ -204,6 +204,18 @@ def test_a_face_is_a_joint_where_nine_tenths_of_it_are_covered(cover: float, are
     assert carried(scene) == pytest.approx(area)
 
 
+def test_a_load_on_the_area_of_a_stone_lies_on_what_is_seen_from_above() -> None:
+    """A stone with the profile of an E: a roof of 1 m, a tongue of 0.5 m below it, and a foot that reaches 0.4 m farther than the roof."""
+    roof, tongue, foot = [(1.0, 0.7), (1.0, 0.8)], [(0.5, 0.4), (0.5, 0.5)], [(1.4, 0.0), (1.4, 0.2)]
+    profile = [(0.0, 0.0), *foot, (0.2, 0.2), (0.2, 0.4), *tongue, (0.2, 0.5), (0.2, 0.7), *roof, (0.0, 0.8)]
+    loads = on_area([prism("stone", profile)], ["stone"]).loads
+    found = sorted(zip(loads.point.tolist(), loads.force[:, 2].tolist(), strict=True))
+    total = {height: sum(size for place, size in found if place[2] == pytest.approx(height)) for height in (0.2, 0.5, 0.8)}
+    assert total == pytest.approx({0.2: -0.4 * LOAD, 0.5: 0.0, 0.8: -LOAD})
+    assert [place for place, _ in found if place[2] == pytest.approx(0.2)] == [pytest.approx([1.2, 0.5, 0.2])]
+    assert all(size < 0.0 for _, size in found)  # nothing where nothing is seen
+
+
 def test_the_farthest_end_so_far_is_that_of_the_longest_stretch_of_a_group() -> None:
     found = _reached(np.array([5.0, 2.0, 3.0, 4.0, 1.0]), np.array([0, 0, 0, 7, 7]), 10.0)
     assert found[0] == -np.inf and found[1:3].tolist() == [5.0, 5.0] and found[3] < 0.0 and found[4] == 4.0
