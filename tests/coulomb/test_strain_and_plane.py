@@ -65,6 +65,34 @@ def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> Non
     assert decided_model(falls).assembly.effects.friction == "coulomb"
 
 
+@pytest.mark.parametrize(
+    ("friction", "path", "law", "elasticity", "why_friction", "why_strain"),
+    [
+        ("auto", "", "coulomb", "plateau", "joints may slide", "from rest to the plateau"),
+        ("coulomb", "", "coulomb", "plateau", "requested in the scene", "from rest to the plateau"),
+        ("auto", "[path]\n", "coulomb", "path", "a [path] follows the history of friction", "a [path] is requested"),
+        ("coulomb", "[path]\n", "coulomb", "path", "requested in the scene", "a [path] is requested"),
+        ("associated", "", "associated", "none", "requested in the scene", "bounds do not depend"),
+        ("none-slides", "", "none-slides", "none", "requested in the scene", "bounds do not depend"),
+    ],
+)
+def test_strain_goes_with_friction_and_with_a_path(
+    friction: str, path: str, law: str, elasticity: str, why_friction: str, why_strain: str
+) -> None:
+    """What only an answer or a run can leave out is modelled until then."""
+    effects = assemble(scenes.load(scenes.text(*scenes.wall(3, 2, 0.6), model=friction) + path)).effects
+    assert (effects.friction, effects.elasticity, effects.sliding_excluded) == (law, elasticity, friction == "none-slides")
+    assert why_friction in effects.reasons["friction"] and why_strain in effects.reasons["elasticity"]
+    assert (effects.rotation, effects.reach, effects.displacement, effects.recording) == ("small", False, "finite", "states")
+    assert ("bounds hold" in effects.reasons["rotation"]) is (elasticity == "none")
+
+
+@pytest.mark.parametrize("friction", ["associated", "none-slides"])
+def test_turning_blocks_are_refused_where_only_bounds_are_modelled(friction: str) -> None:
+    with pytest.raises(SceneError, match=rf"effects\.rotation.*friction = \"{friction}\" yields bounds"):
+        assemble(scenes.build(*scenes.wall(3, 2, 0.6), model=friction, effects={"rotation": "finite"}))
+
+
 # --- plane -----------------------------------------------------------------------------------------------------------------------
 
 
