@@ -10,6 +10,7 @@ import vaults_and_domes
 from coulomb_problems import answer
 
 from la_core.coulomb import lasting
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.model.joints import joint_stiffness
 
 
@@ -62,11 +63,18 @@ def extrapolated(displacement: list[np.ndarray], force: list[np.ndarray]) -> flo
 
 def test_only_an_open_point_that_closes_without_the_joints_strain_is_awaited() -> None:
     """Points, in turn: open and closing, pressed, overlapping without force, parting, and closing no faster than strain may."""
-    gap, closed = np.array([0.3, 0.2, -0.1, 0.1, 0.01]), np.array([0.1, 0.1, 0.1, -0.1, 0.9 * lasting.LEAST_CLOSING])
+    gap, closed = np.array([0.3, 0.2, -0.1, 0.1, 0.001]), np.array([0.1, 0.1, 0.1, -0.1, 0.9 * lasting.LEAST_CLOSING])
     force = np.array([[0.0, 0.0], [1.0, 0.0], *[[0.0, 0.0]] * 3])
     before, last, faster = (np.column_stack([one, np.zeros(5)]) for one in (gap + 2.0 * closed, gap, gap - 2.0))
     assert extrapolated([before, last], [force, force]) == pytest.approx(5.0 + 0.3 / 0.1)
     assert extrapolated([faster, last], [force, force]) == np.inf
+
+
+@pytest.mark.parametrize(("times", "until"), [(0.9, np.inf), (1.1, 5.0 + 0.5)])
+def test_a_force_below_what_a_residual_may_be_is_none_that_could_vanish(times: float, until: float) -> None:
+    """It loses twice itself per progress."""
+    last, still = np.array([[times * ACCEPTED_RESIDUAL, 0.0]]), np.zeros((1, 2))
+    assert extrapolated([still, still], [5.0 * last, last]) == pytest.approx(until)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
 import scenes
 from reduced_models import SOLVER, arch
@@ -13,6 +14,7 @@ from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
+from la_core.limit.plane_in_space import residual_in_space
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
@@ -112,6 +114,18 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, scene.yade))
     (check,) = check_plane(analysis)
     assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.next_step
+
+
+def test_a_plane_answer_that_breaks_the_friction_law_breaks_it_in_space() -> None:
+    """Two level forces of half a weight against each other at one joint are in balance; in space each is shared by two points."""
+    analysis = analyse(scenes.shipped("two_pads"))
+    assembly, answer = analysis.assembly, analysis.main_answer
+    pair = np.flatnonzero(assembly.points.interface == assembly.points.interface[0])
+    forces = answer.forces.copy()
+    forces[pair, 0] += np.array([0.5, -0.5]) * assembly.mean_weight
+    least = assembly.split(answer.forces)[0][pair].min()
+    by_hand = (0.5 - assembly.points.friction[pair[0]] * least / assembly.mean_weight) / 2.0
+    assert residual_in_space(assembly, answer.twists, forces) == pytest.approx(by_hand, rel=1e-4)
 
 
 def forced_flat(scene: Scene) -> Assembly:

@@ -10,7 +10,7 @@ from la_core.analysis.modelling import structural_model
 from la_core.analysis.result import with_one_fall
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.conic import Programme
-from la_core.limit.problem import Drive, scaled_problem
+from la_core.limit.problem import Drive, points_of_rows, scaled_problem
 from la_core.limit.starting_scale import NEAR_SCALE, starting_scale
 from la_core.model import global_forces
 from la_core.model.assembly import Assembly
@@ -97,3 +97,20 @@ def test_a_structure_that_falls_under_one_drive_keeps_the_confirmed_bound_of_the
     assert with_one_fall({Drive.YIELDING: solved, Drive.PUSHING: fallen}) == {Drive.YIELDING: solved, Drive.PUSHING: fallen}
     assert with_one_fall({Drive.YIELDING: unbounded, Drive.PUSHING: fallen}) == {Drive.YIELDING: fallen, Drive.PUSHING: fallen}
     assert with_one_fall({Drive.YIELDING: unbounded, Drive.PUSHING: solved}) == {Drive.YIELDING: unbounded, Drive.PUSHING: solved}
+
+
+@pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+def test_rows_of_head_joints_start_at_ten_times_those_of_bed_joints(plane: bool) -> None:
+    """What comes before the rows of joints starts at one."""
+    stones = [
+        scenes.box("left", (0.0, 0.0, 0.0), (0.4, 0.2, 0.2)),
+        scenes.box("right", (0.4, 0.0, 0.0), (0.8, 0.2, 0.2)),
+        scenes.box("base", (0.0, 0.0, -0.2), (0.8, 0.2, 0.0), "support"),
+    ]
+    model = structural_model(scenes.build(*stones, inset=0.001, plane=plane)).assembly
+    problem = scaled_problem(model)
+    scale = starting_scale(model, problem, problem.rows.shape[0] + 3, None)
+    is_head = np.abs(model.normal @ model.down) < 0.5
+    assert is_head.any() and not is_head.all()
+    expected = np.where(is_head, 10.0, 1.0)[points_of_rows(model, problem)]
+    np.testing.assert_allclose(scale, [1.0, 1.0, 1.0, *expected])
