@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from judged_runs import MOVING, REACTION, SIMILARITY, coulomb_of, judged, named
 from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
 
 from comparison.judge.checks.answer import check_expected
-from comparison.judge.checks.sections import SECTION, check_sections
+from comparison.judge.checks.sections import SECTION, _transverse_directions, check_sections
 from comparison.judge.summary import _where_nothing_is_borne
 from comparison.verdict import BEARS_NOTHING
 from comparison.verdict.check import Verdict, overall
@@ -327,3 +328,34 @@ def test_without_a_plateau_the_last_state_is_judged_under_its_own_multiplier() -
     assert named("equilibrium", judged(analysis, run)).verdict is Verdict.AGREE
     run.record.reaction[:] *= 0.9
     assert named("equilibrium", judged(analysis, run)).verdict is Verdict.INCONCLUSIVE
+
+
+@pytest.mark.parametrize(
+    ("settlement", "labels"),
+    [
+        ({"direction": (0.0, 0.0, -1.0)}, ["x", "y"]),
+        ({"direction": (1.0, 0.0, 0.0)}, ["y", "z"]),
+        ({"direction": (0.0, 0.0, -1.0), "zone": [{"blocks": ["base"], "ratio": 0.5}]}, ["x", "y", "z"]),
+        ({"axis": (0.0, 1.0, 0.0), "point": (0.0, 0.0, 0.0)}, ["x", "y", "z"]),
+    ],
+    ids=["down", "aside", "by a part of it", "turning"],
+)
+@pytest.mark.parametrize("plane", [True, False])
+def test_the_support_s_force_is_compared_across_its_motion_or_along_all_axes(
+    settlement: dict[str, Any], labels: list[str], plane: bool
+) -> None:
+    """A reaction that is a moment, or the sum of shares of forces, leaves no component out; a plane model has none along y."""
+    parts = (scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    scene = scenes.build(*parts, plane=plane, settlement=settlement)
+    found = dict(_transverse_directions(scene, plane))
+    assert sorted(found) == [label for label in labels if label != "y" or not plane]
+    assert all(unit == pytest.approx(np.eye(3)["xyz".index(label)]) for label, unit in found.items())
+
+
+def test_an_oblique_direction_across_a_settlement_is_named_by_its_components_and_points_forwards() -> None:
+    parts = (scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    scene = scenes.build(*parts, plane=True, settlement=(0.6, 0.0, -0.8))
+    ((label, unit),) = _transverse_directions(scene, True)
+    assert label == "(0.8, 0, 0.6)" and unit == pytest.approx([0.8, 0.0, 0.6])
+    ((label, _),) = _transverse_directions(scenes.build(*parts, plane=True, settlement=(0.01, 0.0, -1.0)), True)
+    assert label == "(1, 0, 0.01)"

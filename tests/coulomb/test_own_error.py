@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
-from la_core.coulomb.several_paths import SAFETY, on_one_plateau, stated_uncertainty
+from la_core.coulomb.several_paths import SAFETY, joints_of_path, on_one_plateau, stated_uncertainty
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 
@@ -125,6 +126,19 @@ def test_what_paths_differ_by_at_their_end_or_on_their_way_is_uncertain(end: flo
     """Both come to one plateau, which shows neither change nor scatter."""
     coarse, fine = (SimpleNamespace(smooth_error=0.0, plateau=Plateau(*values, 0.0, 0.0, 1.0)) for values in ((end, mean), (0.3, 0.3)))
     assert stated_uncertainty(fine, [coarse, fine]) == pytest.approx(SAFETY * 0.003)
+
+
+def test_of_paths_on_several_plateaus_the_farthest_from_the_answer_says_what_is_uncertain() -> None:
+    low, chosen, high = (SimpleNamespace(smooth_error=0.0, plateau=Plateau(value, value, 0.0, 0.0, 1.0)) for value in (0.1, 0.2, 0.4))
+    assert stated_uncertainty(chosen, [low, chosen, high]) == pytest.approx(0.2)
+    assert stated_uncertainty(high, [low, chosen, high]) == pytest.approx(0.3)
+
+
+def test_the_axes_of_a_coarse_path_turn_with_the_other_block_and_those_of_the_finest_do_not() -> None:
+    other = object()
+    joints: Any = SimpleNamespace(with_axes_of_first=lambda: other)
+    settings = PredictionSettings(viscosities=(1e-1, 1e-2, 1e-3))
+    assert [joints_of_path(joints, number, settings) for number in (1, 2, 3, 4)] == [other, other, joints, joints]
 
 
 def test_of_three_paths_the_two_finest_say_what_is_uncertain() -> None:
