@@ -1,6 +1,8 @@
 """Friction is left out only where no joint slides, and there it changes nothing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -187,3 +189,29 @@ def test_sharp_edges_have_a_value_where_that_of_rounded_ones_is_the_bound_beyond
     one = SAME_VALUE * analysis.bounds[Drive.YIELDING].value
     coulomb = replace(analysis.coulomb, value=analysis.bounds[Drive.YIELDING].value + apart * one, uncertainty=uncertainty * one)
     assert (_without_history(replace(analysis.at_inset, coulomb=coulomb), analysis.sharp) is not None) is is_known
+
+
+# --- by hand ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("shear", "energy"), [(4.0, 2.875), (0.0, 2.25)])
+def test_the_energy_of_joints_is_that_of_their_springs(shear: float, energy: float) -> None:
+    """Normal forces 3 and 0 on springs of 2, friction 1 and 2 on springs of 4: half of 9/2 + 5/4. Without friction no shear spring."""
+    joints: Any = SimpleNamespace(normal=2.0, shear=shear)
+    state: Any = SimpleNamespace(joints=SimpleNamespace(force=np.array([[3.0, 1.0], [0.0, 2.0]])))
+    assert sliding._energy(joints, state) == pytest.approx(energy)
+
+
+def test_the_joint_that_is_said_to_slide_is_the_one_that_dissipates_most() -> None:
+    """Of two blocks that slide alike the heavier one has a fifth of the friction coefficient: 2 * 0.1 against 1 * 0.5."""
+    parts = [scenes.box(name, (x, 0.0, 0.0), (x + 0.5, 0.5, size)) for name, x, size in (("heavy", 0.0, 0.4), ("light", 1.0, 0.2))]
+    ground = scenes.box("ground", (-1.0, 0.0, -0.2), (3.0, 0.5, 0.0), "fixed")
+    smooth = scenes.table("[friction]", between=["heavy", "ground"], friction=0.1)
+    scene = scenes.build(*parts, ground, smooth, friction=0.5, live=(1.0, 0.0, 0.0))
+    assembly = assemble(scene)
+    solution: Any = SimpleNamespace(twists=np.zeros((3, 6)), forces=np.zeros((len(assembly.points), 3)))
+    solution.twists[:2, 0] = 1.0
+    is_heavy = (assembly.contact_blocks[0] == 0) | (assembly.contact_blocks[1] == 0)
+    upward = np.where(assembly.contact_blocks[1] < 2, 1.0, -1.0)
+    solution.forces[:, 2] = upward * np.where(is_heavy, 2.0, 1.0)
+    assert '"light"' in sliding._sliding_joint(assembly, solution) and '"heavy"' not in sliding._sliding_joint(assembly, solution)
