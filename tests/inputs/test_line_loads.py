@@ -216,6 +216,16 @@ def test_a_load_on_the_area_of_a_stone_lies_on_what_is_seen_from_above() -> None
     assert all(size < 0.0 for _, size in found)  # nothing where nothing is seen
 
 
+def test_a_flank_carries_what_a_joint_above_it_does_not_where_it_is_open() -> None:
+    """A stone under another loaded one goes out by 0.05 m at its right flank; a stone beside it may cover that flank, too."""
+    lower = prism("lower", [(0.0, 0.0), (1.05, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    upper = prism("upper", [(0.0, 1.0), (1.0, 1.0), (1.0, 1.5), (0.0, 1.5)])
+    beside = prism("beside", [(1.05, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)])
+    assert carried(on_area([lower, upper], ["lower", "upper"])) == pytest.approx(1.05)
+    with pytest.raises(SceneError, match="some of the chosen top faces lie above each other"):
+        on_area([lower, upper, beside], ["lower", "upper"])
+
+
 def test_the_farthest_end_so_far_is_that_of_the_longest_stretch_of_a_group() -> None:
     found = _reached(np.array([5.0, 2.0, 3.0, 4.0, 1.0]), np.array([0, 0, 0, 7, 7]), 10.0)
     assert found[0] == -np.inf and found[1:3].tolist() == [5.0, 5.0] and found[3] < 0.0 and found[4] == 4.0
