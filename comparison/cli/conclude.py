@@ -1,6 +1,5 @@
 """Last step of `crosscheck run` and `crosscheck report`: write the reports, print the verdicts, choose the exit code."""
 
-import os
 import shlex
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -31,7 +30,7 @@ def conclude(
     reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
     scenes whose results cannot be read. keep_head: whether a report keeps the words that an earlier command chose for its head.
     """
-    as_json, out = context.options.json, context.out
+    as_json = context.options.json
     codes, stored = [], []
     for folder, comparisons in reports:
         unread, head = (left_out or {}).get(folder, []), _kept_head(folder, comparisons, context) if keep_head else {}
@@ -53,7 +52,7 @@ def conclude(
                 _print_verdicts(comparisons, again, context)
         if not as_json:
             for path in written:
-                out.print(f"report: {os.path.relpath(path)}", markup=False)
+                context.show_report(path)
         if failure:
             codes.append(complain_of(failure))
         if written:

@@ -2,8 +2,11 @@
 
 import argparse
 import json
+import os
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 from rich.console import Console
@@ -60,6 +63,14 @@ class Context:
     def narrate(self, text: str) -> None:
         """Print narration on stderr, unless it is silent, broken between words at the width of a terminal."""
         say(self.narrator, text)
+
+    def show_report(self, page: Path) -> None:
+        """Print where a report lies, and say of a PDF beside it that it is of an earlier one."""
+        self.out.print(f"report: {os.path.relpath(page)}", markup=False)
+        printed = page.with_suffix(".pdf")
+        if printed.exists() and printed.stat().st_mtime < page.stat().st_mtime:
+            again = f"`crosscheck report {shlex.quote(os.path.relpath(page.parent))} --pdf`"
+            self.narrate(f"{os.path.relpath(printed)} is of an earlier report; {again} prints this one")
 
     def print_json(self, value: dict[str, Any]) -> None:
         """Print one JSON object on stdout; raises ValueError for NaN or an infinite number."""

@@ -1,6 +1,7 @@
 """`crosscheck run` writes every file, finds it again, and redoes what is changed, damaged or missing."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -143,3 +144,20 @@ def test_a_changed_scene_leaves_neither_the_run_of_the_earlier_one_nor_its_log(c
     assert (copy / "two_pads" / "yade.log").exists()
     assert main(["run", str(path), "-o", str(copy), "--no-yade", "-q"]) == 0
     assert not (copy / "two_pads" / "run.h5").exists() and not (copy / "two_pads" / "yade.log").exists()
+
+
+def test_a_pdf_of_an_earlier_report_is_named_as_one(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It stays, because somebody may have signed it."""
+    monkeypatch.chdir(tmp_path)
+    (printed := tmp_path / "mine" / "report.pdf").parent.mkdir()
+    told = "mine/report.pdf is of an earlier report; `crosscheck report mine --pdf` prints this one"
+    assert main(["run", "two_pads", "-o", "mine", "--no-yade"]) == 0
+    assert "report.pdf" not in capsys.readouterr().err
+    printed.write_text("signed")
+    for made, is_told in ((0, True), (2e10, False)):  # s since 1970: long ago, and after this report
+        os.utime(printed, (made, made))
+        assert main(["report", "mine"]) == 0
+        assert (told in " ".join(capsys.readouterr().err.split())) is is_told
+    assert printed.read_text() == "signed"

@@ -116,4 +116,4 @@ def show(table: CampaignTable, context: Context) -> None:
     if table.unfinished:
         context.tell(table.unfinished)
     out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)
-    out.print(f"report: {os.path.relpath(table.folder / 'report.html')}", markup=False)
+    context.show_report(table.folder / "report.html")
