@@ -190,10 +190,11 @@ class _Reader:
         displayed = around.displayed and given.get("display") != "none" and not is_zero(given.get("opacity", "1"))
         for told in {word for name, word in UNREAD.items() if displayed and given.get(name, "none") != "none"}:
             self.drawn.ignore(told)
-        for name in MOVES:
-            if displayed and (value := given.get(name, "none")) != "none":
+        may_move = displayed and kind in SHAPES | CONTAINERS  # nothing of a text or an image is read
+        for name, still in MOVES.items():
+            if may_move and not still.fullmatch(value := given.get(name, "none")):
                 raise ValueError(f'has {name} = "{value[:40]}" in a style, which is not read; apply it in the drawing program')
-        if displayed and "transform" in given:
+        if may_move and "transform" in given:
             if not set(origin) <= AT_ZERO:
                 shown = " ".join(origin)[:40]
                 raise ValueError(f'has transform-origin = "{shown}", which is not read; apply the transform in the drawing program')

@@ -10,7 +10,11 @@ from la_core.drawing.outlines import CLIPPED
 OPACITIES = ("fill-opacity", "stroke-opacity")
 READ = ("display", "visibility", "opacity", "color", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
 SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d")  # attributes of shapes that a style may give, too
-MOVES = ("translate", "rotate", "scale")  # what a style may give beside `transform`, and which is refused
+MOVES = {  # what a style may give beside `transform`, and the values that move nothing; others are refused
+    "translate": re.compile(r"none|0(px|%)?(\s+0(px|%)?){0,2}"),
+    "rotate": re.compile(r"none|0(deg)?"),
+    "scale": re.compile(r"none|(1|100%)(\s+(1|100%)){0,2}"),
+}
 # Properties that change what is seen and are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
@@ -105,7 +109,7 @@ class StyleSheet:
     def __init__(self, text: str) -> None:
         self._rules: dict[str, list[Rule]] = {}
         self.unread = 0  # rules for our properties whose selectors are not read
-        self.may_paint = False  # whether one of them gives more than sizes
+        self.may_paint = False  # whether one of them gives more than sizes and moves
         for place, (selectors, body) in enumerate(_blocks(text)):
             if not (values := _values(body)):
                 continue
@@ -114,7 +118,7 @@ class StyleSheet:
                 if not parts or "".join(parts) != selector.strip():
                     if not STATES.search(selector):
                         self.unread += 1
-                        self.may_paint |= not values.keys() <= set(SIZES)
+                        self.may_paint |= not values.keys() <= {*SIZES, *MOVES}
                     continue
                 ids, classes, any_kind = (sum(part[0] == sign for part in parts) for sign in "#.*")
                 weight = (ids, classes, len(parts) - ids - classes - any_kind, place)
@@ -166,6 +170,6 @@ def _values(text: str) -> dict[str, tuple[str, bool]]:
         name, _, value = entry.partition(":")
         key = name.strip().lower()
         plain = IMPORTANT.sub("", value.strip().lower())
-        if key in PROPERTIES + MOVES or (key in SIZES and not NO_LENGTH.fullmatch(plain)):
+        if key in PROPERTIES or key in MOVES or (key in SIZES and not NO_LENGTH.fullmatch(plain)):
             found[key] = (plain.strip(), plain != value.strip().lower())
     return found

@@ -352,6 +352,20 @@ def test_what_is_not_hidden_is_read(name: str) -> None:
     assert drawn.ignored == {}
 
 
+STILL = {  # what moves nothing that is read
+    "no move": f'<g style="translate: 0px 0; rotate: 0deg; scale: 1 100%">{ONE}</g>',
+    "text": f'<style>text {{rotate: 30deg}}</style><text style="scale: 2; transform: rotateX(9deg)">a</text>{ONE}',
+    "hidden": f'<g style="display: none; scale: 2">{ONE}</g>{ONE}',
+    "taken back": f'<style>.a {{scale: 2}}</style><g class="a" style="scale: none">{ONE}</g>',
+    "what no size of a style applies to": f'<g style="x: 9px; width: auto; r: 1em; d: none"><text style="width: 100%">a</text>{ONE}</g>',
+}
+
+
+@pytest.mark.parametrize("name", STILL)
+def test_a_style_that_moves_nothing_that_is_read_is_no_reason_to_refuse(name: str) -> None:
+    assert area(read(STILL[name])) == pytest.approx(0.1, rel=ROUND_OFF)
+
+
 RED = "<rect class='a' x='50' y='50' width='7' height='7'/>"
 STYLED = {  # sizes and places of styles, and the box that they give, m
     "sheet": (f"<style>rect {{width: 200px; height: 100px; x: 5%; y: 0}}</style>{RED}", [0.1, -0.1, 0.3, 0.0]),
@@ -378,8 +392,8 @@ def test_sizes_of_styles_that_are_not_read_are_refused() -> None:
     assert "has a <path> whose d is in a style, which is not read" in refusal(path)
 
 
-def test_an_unread_rule_about_sizes_alone_paints_nothing() -> None:
-    drawn = read(f"<style>g > rect {{width: 5px}}</style><g fill='none'>{ONE}</g>{ONE}")
+def test_an_unread_rule_about_sizes_and_moves_alone_paints_nothing() -> None:
+    drawn = read(f"<style>g > rect {{width: 5px; scale: none}}</style><g fill='none'>{ONE}</g>{ONE}")
     assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
     assert drawn.ignored == {"hidden entities": 1, "rules of style sheets": 1}
 
