@@ -1,6 +1,5 @@
 """`crosscheck report` for folders of campaigns."""
 
-import os
 from pathlib import Path
 
 from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report, write_tables
@@ -43,7 +42,7 @@ def report_campaigns(context: Context) -> int:
         if written and not as_json:
             show(results, context)
             for printed in written[1:]:
-                context.tell(f"report: {os.path.relpath(printed)}")
+                context.show_report(printed)
     if as_json and stored:
         context.print_json(stored[0] if len(folders) == 1 else {"reports": stored})
     return max(codes, key=SEVERITY.index)
