@@ -75,10 +75,10 @@ def scene_from_file(source: Path, folder: Path) -> str:
     suffix = source.suffix.lower()
     if suffix in (*SOURCE_FORMATS, "") and not source.exists():
         raise SceneError(str(source), "cannot be read: there is no such file or folder")
-    if suffix in DRAWING_FORMATS:
-        return _drawing_text(source, place)
     if source.is_dir() and suffix not in (*FORMATS, ""):
         raise SceneError(str(source), f'a folder whose name ends in "{source.suffix}" is taken for a file in a scene', hint="rename it")
+    if suffix in DRAWING_FORMATS:
+        return _drawing_text(source, place)
     if suffix in FORMATS or source.is_dir():
         return _mesh_text(place, folder)
     known = ", ".join(SOURCE_FORMATS)

@@ -170,12 +170,20 @@ def test_bodies_in_the_current_folder_become_a_scene_beside_it(tmp_path: Path, m
     assert len(load_scene(tmp_path / "stones.toml").blocks) >= len(meshes.wall())
 
 
-@pytest.mark.parametrize(("name", "words"), [("bodies.v1", 'whose name ends in ".v1" is taken for a file'), ("/", "/: has no name")])
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("bodies.v1", 'whose name ends in ".v1" is taken for a file'),
+        ("plan.svg", 'whose name ends in ".svg" is taken for a file'),
+        ("/", "/: has no name"),
+    ],
+)
 def test_a_folder_that_gives_a_scene_no_name_is_refused(
     name: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "bodies.v1").mkdir()
+    for folder in ("bodies.v1", "plan.svg"):
+        (tmp_path / folder).mkdir()
     assert main(["new", "--from", name]) == 2
     assert words in capsys.readouterr().err
 
