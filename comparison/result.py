@@ -167,7 +167,7 @@ def run(
     try_harder : bool
         Whether to run both methods again with finer settings, in the folder SCENE_harder, where they disagree or a question stays open.
     try_harder_limit : float or None
-        Longest wall time of that second attempt, s, which a limit implies; None takes 900 s. One that would take longer is not begun.
+        Longest wall time of that second attempt, s; a number implies `try_harder`. None takes 900 s. A longer attempt is not begun.
 
     Returns
     -------

@@ -28,8 +28,9 @@ def share_of_free_fall(assembly: Assembly) -> float:
     """How fast a structure that cannot stand starts to fall: 1 in free fall, near 0 where it lacks little balance.
 
     It is the power of the weights, loads and ties in the motion into which they accelerate the structure, over the sum of the weight of
-    every block times the speed of its fastest corner. This motion is the nearest one to free fall that the joints allow, by the masses of
-    the blocks (Gauss's principle of least constraint); turning counts as a motion of a mean block's size.
+    every block times the speed of its fastest corner. Loads and ties that do not count as weight may make it more than 1. The
+    motion is the nearest one to free motion that the joints allow (Gauss's principle of least constraint). A block has the mass of its
+    weight, with the dead loads on it; its moments of inertia are this mass times the square of the mean block size.
     """
     problem = scaled_problem(assembly)
     free_blocks = int(assembly.blocks.free.sum())

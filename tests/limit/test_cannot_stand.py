@@ -259,6 +259,21 @@ def test_a_block_beside_one_wall_falls_along_it(friction: float, plane: bool) ->
 
 
 @both_models
+def test_each_block_falls_as_fast_as_its_joints_allow_whatever_it_weighs(plane: bool) -> None:
+    """One block falls freely. Another one of four times its weight falls beside a rough wall, which turns it aside."""
+    friction, times = 0.9, 4.0
+    slope = np.hypot(1.0, friction)
+    parts = [scenes.box(f"at {x:g}", (x, 0.0, 0.0), (x + 1.0, 1.0, 1.0), role) for x, role in ((-1, "support"), (1, "fixed"), (4, "fixed"))]
+    parts += [
+        scenes.box("free", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
+        scenes.box("heavy", (5.0, 0.0, 0.0), (6.0, 1.0, 1.0), density=2000.0 * times),
+    ]
+    parts += [scenes.table("[friction]", between=("free", wall), friction=0.0) for wall in ("at -1", "at 1")]
+    share = share_of_free_fall(assemble(scenes.build(*parts, friction=friction, plane=plane)))
+    assert share == pytest.approx((1.0 + times / slope**2) / (1.0 + times / slope), rel=1e-6)
+
+
+@both_models
 def test_what_hardly_moves_beside_a_falling_block_makes_its_fall_no_slower(plane: bool) -> None:
     """A small block falls along a wall, and a large one tips so little that it hardly moves."""
     pad = scenes.box("pad", (-1.0, 0.0, -0.2), (0.0, 1.0, 0.0), "support")
