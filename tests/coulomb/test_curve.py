@@ -58,6 +58,47 @@ def test_a_plateau_is_known_to_one_per_cent_of_its_value_or_of_a_thousandth_of_t
     assert known.is_known and not unknown.is_known
 
 
+@pytest.mark.parametrize(("mean", "most"), [(0.2, 1e-4), (-0.2, 1e-4), (0.0, 5e-7)])
+def test_a_curve_is_flat_to_half_a_thousandth_of_its_mean_or_of_a_thousandth_of_the_weight(mean: float, most: float) -> None:
+    """Wherever it ends."""
+    for value in (0.1, 0.9):
+        flat, rising = (plateau.Plateau(value, mean, share * most, 0.0, 1.0) for share in (0.99, 1.01))
+        assert flat.is_flat and not rising.is_flat
+
+
+@pytest.mark.parametrize(("value", "doubt", "most"), [
+    (0.3, 2e-3, 6e-3),  # three times its own doubt
+    (0.3, 1e-4, 3e-3),  # one per cent of its value
+    (-0.3, 1e-4, 3e-3),
+    (0.0, 1e-6, 1e-5),
+])  # fmt: skip
+def test_a_curve_has_left_a_plateau_where_it_is_much_more_doubtful(value: float, doubt: float, most: float) -> None:
+    best = plateau.Plateau(value, value, 0.0, doubt, 1.0)
+    for later in (0.01, 5.0):
+        assert not best.is_left_at(plateau.Plateau(later, later, 0.0, 0.99 * most, 2.0))
+        assert best.is_left_at(plateau.Plateau(later, later, 0.0, 1.01 * most, 2.0))
+    assert best.is_left_at(plateau.Plateau(value, value, np.nan, np.nan, 2.0))
+
+
+def test_of_change_and_scatter_the_known_one_is_the_doubt_about_a_plateau() -> None:
+    assert plateau.Plateau(0.3, 0.3, 1e-4, np.nan, 1.0).doubt == 1e-4
+    assert plateau.Plateau(0.3, np.nan, np.nan, 5e-3, 1.0).doubt == 5e-3
+    assert np.isnan(plateau.Plateau(0.3, np.nan, np.nan, np.nan, 1.0).doubt)
+
+
+@pytest.mark.parametrize("size", [1.0, -1.0, 100.0, 0.001])
+def test_values_within_a_hundredth_of_the_greater_one_are_one_plateau(size: float) -> None:
+    assert len(plateau.groups([size, 0.9905 * size])) == 1 and len(plateau.groups([size, 0.989 * size])) == 2
+
+
+def test_the_mean_is_that_over_the_way_and_not_over_the_steps() -> None:
+    """A value holds over the step that it ends: 0.3 over a quarter of the way, 0.1 over another one that takes ten steps."""
+    progress = np.concatenate([[0.0, 0.25, 0.5, 0.75], np.linspace(0.775, 1.0, 10)])
+    values = np.concatenate([[9.0, 9.0, 0.5, 0.3], np.full(10, 0.1)])
+    found = plateau.plateau_of(progress, values, 1.0, 0.1)
+    assert (found.mean, found.change, found.scatter) == pytest.approx((0.2, 0.3, 0.0))
+
+
 @pytest.mark.parametrize(("values", "expected"), [
     ([0.2], [[0]]),
     ([0.2, 0.2001], [[0, 1]]),
