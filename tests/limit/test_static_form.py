@@ -1,6 +1,7 @@
 """Laws of the static form: it is the dual of the kinematic form, and exact where a strength is given."""
 
 import dataclasses
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -164,3 +165,147 @@ def test_an_answer_that_misses_equilibrium_by_far_is_none(error: float, status: 
 def test_result_is_frozen() -> None:
     with pytest.raises(dataclasses.FrozenInstanceError):
         coulomb(two_blocks()).value = 0.0  # type: ignore[misc]
+
+
+# --- by hand ----------------------------------------------------------------------------------------------------------------------
+
+
+def one_point(monkeypatch: pytest.MonkeyPatch, parting: float = 0.0, sliding: float = 0.0) -> Any:
+    """One contact point with a mechanism of these speeds; the fastest block has unit speed, and the weight gives 100 W."""
+    monkeypatch.setattr(static, "contact_speeds", lambda *_: (np.array([parting]), np.array([sliding])))
+    monkeypatch.setattr(static.residuals, "over_fastest", lambda assembly, twists, violation: float(violation.max()))
+    return SimpleNamespace(split=lambda forces: (forces[:, 0], forces[:, 1:]), dead_load=np.array([[100.0]]))
+
+
+@pytest.mark.parametrize(
+    ("force", "limit", "violation"),
+    [
+        ((4.0, 3.0, 4.0), (1.0, 0.5), 2.0),  # |t| = 5 over 1 + 2
+        ((4.0, 3.0, -4.0), (6.0, -0.5), 1.0),  # over 6 - 2
+        ((4.0, 3.0, 4.0), (3.0, 0.5), 0.0),
+        ((-2.0, 0.0, 0.0), (9.0, 0.5), 2.0),  # tension
+        ((-2.0, 3.0, 4.0), (1.0, 0.5), 5.0),
+        ((4.0, 3.0, 4.0), (np.inf, 0.0), 0.0),
+    ],
+)
+def test_a_limit_is_violated_by_tension_or_by_friction_beyond_it(
+    force: tuple[float, ...], limit: tuple[float, float], violation: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits = np.array([limit[0]]), np.array([limit[1]])
+    assert static._limit_violation(one_point(monkeypatch), np.array([force]), limits) == violation
+
+
+@pytest.mark.parametrize(
+    ("parting", "sliding", "limit", "violation"),
+    [
+        (0.5, 2.0, (0.0, 0.75), 0.8),  # to part at 0.75 * 2: what lacks, across the line of the cone, over the root of 1 + 0.75^2
+        (1.5, 2.0, (0.0, 0.75), 0.0),
+        (-1.0, 0.0, (0.0, 0.75), 1.0),  # into each other
+        (0.0, 3.0, (7.0, 0.0), 0.0),  # a strength that does not grow does not dilate
+        (5.0, 2.0, (np.inf, 0.0), 2.0),  # a point that cannot slide
+        (5.0, 2.0, (np.inf, -0.5), 2.0),
+        (-1.0, 2.0, (7.0, -0.5), 0.0),  # a limit that falls admits every motion
+    ],
+)
+def test_the_flow_rule_is_violated_by_what_its_limit_does_not_admit(
+    parting: float, sliding: float, limit: tuple[float, float], violation: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limits = np.array([limit[0]]), np.array([limit[1]])
+    assert static._flow_violation(one_point(monkeypatch, parting, sliding), np.zeros((1, 6)), limits) == pytest.approx(violation)
+
+
+@pytest.mark.parametrize(
+    ("parting", "sliding", "limit", "resisted"),
+    [
+        (0.0, 2.0, (10.0, 0.0), 20.0),
+        (1.5, 2.0, (10.0, 0.75), 20.0),  # at n = 0
+        (1.0, 3.0, (10.0, -0.5), 30.0),  # at n = 20, where nothing is left of the friction, parting gives 20 W
+        (-4.0, 3.0, (10.0, -0.5), 80.0),  # there the motion into each other takes 80 W
+        (-4.0, 3.0, (20.0, -0.5), 135.0),  # at n = 40 it would take 160 W; the state has no force above 30 N: 30 * 4 + 5 * 3
+        (0.0, 0.0, (np.inf, 0.0), 0.0),
+    ],
+)
+def test_the_forces_within_the_limits_resist_a_mechanism_least(
+    parting: float, sliding: float, limit: tuple[float, float], resisted: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assembly, limits = one_point(monkeypatch, parting, sliding), (np.array([limit[0]]), np.array([limit[1]]))
+    found = [static._value_of_mechanism(assembly, drive, np.array([[30.0, 0.0, 0.0]]), np.ones((1, 1)), limits) for drive in Drive]
+    signs = {Drive.YIELDING: 1.0, Drive.PUSHING: -1.0, Drive.LIVE: -1.0}
+    assert found == pytest.approx([signs[drive] * (100.0 - resisted) for drive in Drive])
+
+
+@pytest.mark.parametrize("bound", [7.0 - 3e-6, 7.0 + 3e-6])
+@pytest.mark.parametrize(("drive", "multiplier"), [(Drive.YIELDING, 0.0), (Drive.PUSHING, 0.0), (Drive.LIVE, 5.0)])
+def test_residuals_are_shares_of_a_mean_block_and_undefined_ones_prove_nothing(
+    drive: Drive, multiplier: float, bound: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Four blocks of 10 N on a support that turns about an axis 3 m away; a multiplier has no unit, and weighs the live load."""
+    found: dict[str, Any] = {"flow": 2e-7}
+    value = 5.0 if drive is Drive.LIVE else 7.0
+    assembly: Any = SimpleNamespace(mean_weight=10.0, weight=40.0, in_value_unit=lambda force: 1.0 if drive is Drive.LIVE else 3.0 * force)
+    assembly.points, assembly.blocks = [None], [None]
+    monkeypatch.setattr(static.residuals, "multiplier", lambda *_: 5.0)
+    monkeypatch.setattr(static.residuals, "reaction", lambda *_: 7.0)
+    monkeypatch.setattr(static.residuals, "equilibrium_residual", lambda assembly, forces, size: found.update(size=size) or 1e-7)
+    monkeypatch.setattr(static, "_limit_violation", lambda *_: 4e-6)
+    monkeypatch.setattr(static, "_flow_violation", lambda *_: found["flow"])
+    monkeypatch.setattr(static, "_value_of_mechanism", lambda *_: bound + value - 7.0)
+    answer: Any = SimpleNamespace(seconds=1.0, iterations=8)
+    nothing: Any = None
+    solution = static._with_evidence(assembly, drive, nothing, nothing, nothing, answer)
+    assert found["size"] == multiplier and solution.value == value
+    assert (solution.limit_violation, solution.equilibrium_residual) == (pytest.approx(4e-7), 1e-7)
+    assert solution.duality_gap == pytest.approx(3e-6 if drive is Drive.LIVE else 1e-7)
+    for flow, status in ((ACCEPTED, Status.SOLVED), (1e-3, Status.INACCURATE), (1.1e-3, Status.FAILED), (np.nan, Status.FAILED)):
+        found["flow"] = flow
+        if drive is not Drive.LIVE:
+            assert static._with_evidence(assembly, drive, nothing, nothing, nothing, answer).status is status
+
+
+def on_fixed_base(assembly: Assembly) -> np.ndarray:
+    """Mask (C,) of the contact points on the fixed base."""
+    return np.isin(assembly.contact_blocks, assembly.blocks.names.index("fixed base")).any(axis=0)
+
+
+@in_plane_and_3d
+def test_cohesion_holds_no_tension(plane: bool) -> None:
+    """A support that pushes up lifts the block off the fixed base, and carries its weight alone."""
+    block = scenes.box("block", (0.4, 0.0, 0.0), (1.0, 0.5, 0.5))
+    assembly = assemble(scenes.build(*scenes.base(0.5, 1.0, 0.5), block, plane=plane))
+    limits = np.where(on_fixed_base(assembly), 100.0, 0.0), np.full(len(assembly.points), 0.6)
+    assert solve_static(assembly, Drive.PUSHING, *limits).value == pytest.approx(assembly.weight, rel=SAME)
+
+
+@in_plane_and_3d
+def test_a_point_whose_limit_falls_from_nothing_carries_nothing(plane: bool) -> None:
+    """The fixed base does not help: the settling one, below the centroid, carries the block. Without friction, it would carry 0.15/0.5."""
+    block = scenes.box("block", (0.3, 0.0, 0.0), (1.0, 0.5, 0.5))
+    assembly = assemble(scenes.build(*scenes.base(0.5, 1.0, 0.5), block, plane=plane))
+    for slope, share in ((-0.5, 1.0), (0.0, 0.3)):
+        limits = np.zeros(len(assembly.points)), np.where(on_fixed_base(assembly), slope, 0.6)
+        assert solve_static(assembly, Drive.YIELDING, *limits).value == pytest.approx(share * assembly.weight, rel=SAME)
+
+
+@in_plane_and_3d
+def test_tension_in_a_given_state_gives_no_friction(plane: bool) -> None:
+    """YADE's forces of an open joint may be a little off zero: the head joint then holds nothing."""
+    assembly = two_blocks(plane=plane)
+    normal = np.where(head_joint(assembly), -300.0, assembly.weight)
+    assert consistent_reaction(assembly, normal).value == pytest.approx(assembly.weight / 2.0, rel=SAME)
+
+
+@in_plane_and_3d
+def test_given_normal_forces_decide_the_multiplier_of_a_push(plane: bool) -> None:
+    """A wide block slides at mu times the given normal force: here half of its weight."""
+    ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.5, 0.0), "fixed")
+    block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.5, 0.2))
+    assembly = assemble(scenes.build(ground, block, live=(1.0, 0.0, 0.0), plane=plane))
+    normal = np.full(len(assembly.points), 0.5 * assembly.weight / len(assembly.points))
+    assert consistent_reaction(assembly, normal).value == pytest.approx(0.6 * 0.5, rel=SAME)
+
+
+def test_joints_that_cannot_slide_hold_whatever_the_given_normal_forces() -> None:
+    assembly = two_blocks(model="none-slides")
+    held = solve_associated(assembly, Drive.YIELDING).value
+    assert held < 0.4 * assembly.weight
+    assert consistent_reaction(assembly, np.zeros(len(assembly.points))).value == pytest.approx(held, rel=SAME, abs=SAME * assembly.weight)
