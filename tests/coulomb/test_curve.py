@@ -45,6 +45,13 @@ def test_what_strays_over_a_twentieth_of_the_last_quarter_scatters(share: float,
     assert found.scatter == pytest.approx(scatter)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_long_step_scatters_as_any_other_one(sign: float) -> None:
+    """The last quarter of the way is two steps: none of them strays over less than a twentieth of it."""
+    progress, values = np.array([0.0, 0.25, 0.5, 0.75, 0.875, 1.0]), np.array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2 + sign * 0.05])
+    assert plateau.plateau_of(progress, values, 1.0, 0.2).scatter == pytest.approx(0.05)
+
+
 def test_a_curve_changes_from_its_second_quarter_to_its_second_half_and_scatters_over_its_last_quarter() -> None:
     progress = np.linspace(0.0, 1.0, 1001)
     values = np.select([progress <= 0.25, progress <= 0.5, progress <= 0.75], [7.0, 0.3, 0.22], 0.2)

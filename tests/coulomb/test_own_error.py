@@ -21,7 +21,7 @@ from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
-from la_core.coulomb.several_paths import SAFETY, joints_of_path, on_one_plateau, stated_uncertainty
+from la_core.coulomb.several_paths import SAFETY, disagree, joints_of_path, on_one_plateau, stated_uncertainty
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 
@@ -104,6 +104,7 @@ def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[f
         ([(0.2, 1e-3), (0.3, 1e-6), (0.2, 1e-3)], [2, 0]),
         ([(0.2, 1e-6), (0.2, 1e-6), (0.2, 1e-3)], [1, 0, 2]),
         ([(0.3, 1e-6), (0.2, 1e-6), (0.2, 1e-6), (0.3, 1e-6)], [3, 0]),  # the finest path decides
+        ([(0.3, 1e-6), (0.3, 1e-3), (0.2, 1e-3), (0.2, 1e-3)], [0, 1]),  # one of the two paths is enough
     ],
 )
 def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list[tuple[float, float]], chosen: list[int]) -> None:
@@ -146,11 +147,24 @@ def test_of_three_paths_the_two_finest_say_what_is_uncertain() -> None:
     assert stated_uncertainty(paths[-1], paths) == pytest.approx(2.0 * 0.0004)
 
 
+def test_paths_whose_mean_on_the_way_is_another_than_their_end_but_the_same_differ_in_nothing() -> None:
+    paths = [SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.305, 0.0, 0.0, 1.0)) for _ in range(2)]
+    assert stated_uncertainty(paths[1], paths) == pytest.approx(3e-4 * 0.3)
+
+
+@pytest.mark.parametrize(("values", "apart"), [((0.3, 0.302), False), ((0.3, 0.2), True), ((0.3, 0.2, 0.302), True), ((0.3,), False)])
+def test_paths_disagree_where_they_end_on_two_plateaus(values: tuple[float, ...], apart: bool) -> None:
+    paths: Any = [ended(value, 1e-6) for value in values]
+    assert disagree(paths) is apart
+
+
 def test_paths_that_end_alike_are_as_uncertain_as_their_curve_and_their_steps() -> None:
     """Steps leave 3e-4 of the value; a curve that scatters, or still changes, leaves what it does."""
     for scatter, left in ((0.0, 3e-4 * 0.3), (5e-5, 3e-4 * 0.3), (5e-3, 5e-3), (math.nan, 3e-4 * 0.3)):
         path = SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.3, 0.0, scatter, 1.0))
         assert stated_uncertainty(path, [path, path]) == pytest.approx(left)
+    unknown = SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.3, math.nan, math.nan, 1.0))
+    assert stated_uncertainty(unknown, [unknown, unknown]) == pytest.approx(3e-4 * 0.3)
 
 
 @pytest.mark.parametrize(
@@ -168,6 +182,12 @@ def test_a_path_with_smooth_joints_is_uncertain_by_the_largest_of_what_its_smoot
     ends = ((coarse, 0.5), (0.3, 0.3))
     paths = [SimpleNamespace(smooth_error=law, plateau=Plateau(*end, 0.0, 0.0, 1.0), values=np.array([0.9, reached])) for end in ends]
     assert stated_uncertainty(paths[1], paths) == pytest.approx(left)
+
+
+def test_of_three_paths_with_smooth_joints_the_two_sharpest_say_what_is_uncertain() -> None:
+    ends = zip((0.32, 0.301, 0.3), (0.1, 0.2, 0.3), strict=True)
+    paths = [SimpleNamespace(smooth_error=1e-9, plateau=Plateau(*end, 0.0, 0.0, 1.0), values=np.array([0.3])) for end in ends]
+    assert stated_uncertainty(paths[-1], paths) == pytest.approx(2.0 * 0.001)
 
 
 def test_a_curve_that_is_not_flat_may_still_change_by_three_times_its_last_change() -> None:

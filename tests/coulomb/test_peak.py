@@ -59,5 +59,6 @@ def test_a_curve_counts_up_to_its_last_point_near_the_level() -> None:
     values = np.array([0.0, 3.0, 1.0, 2.0, 1.01, 5.0])
     assert peak_before(values, 1.0, 0.02) == 3.0
     assert peak_before(values, 1.0, 0.005) == 3.0
+    assert peak_before(np.array([0.0, 1.0, 4.0, 1.0, 5.0]), 1.0, 0.02) == 4.0  # it comes to the level twice
     assert peak_before(values, 9.0, 0.1) == 5.0  # it never comes there
     assert peak_before(values, 0.0, 0.1) == -np.inf  # no point lies before the first one
