@@ -58,8 +58,8 @@ def try_harder(
     expected = DEARER * _seconds_of_attempt(yade) * with_yade + DEARER_PATHS * _prediction_seconds(first)
     if expected > seconds:
         minutes = math.ceil(expected / 60.0)
-        words = f"not tried harder: this would take about {plural(minutes, 'minute')}; --try-harder-limit {60 * minutes} (s) allows it"
-        listener.stage(scene.name, "comparison", words)
+        allowed = f"--try-harder-limit {60 * minutes} (s) allows it, in Python `try_harder_limit`"
+        listener.stage(scene.name, "comparison", f"not tried harder: this would take about {plural(minutes, 'minute')}; {allowed}")
         return None
     listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
     harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SUFFIX}")

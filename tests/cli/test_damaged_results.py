@@ -196,6 +196,10 @@ def test_results_that_another_user_closed_are_named_as_left_out(
     said = capsys.readouterr()
     one_message(said.err, f"{closed}: it may not be read by you: ask its owner")
     assert json.loads(said.out)["left_out"] == ["closed"]
+    with monkeypatch.context() as full:
+        full.setattr("comparison.cli.scene_verbs.report.report_again", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left", "x")))
+        assert main(["report", str(copy), "--json", "-q"]) == TOOL
+    assert json.loads(capsys.readouterr().out)["left_out"] == ["closed", "two_pads"]
     shutil.rmtree(copy / "two_pads")
     assert main(["report", str(copy), "-q"]) == TOOL
     one_message(capsys.readouterr().err, "ask its owner")

@@ -54,7 +54,7 @@ def execute(context: Context) -> int:
                     left_out.setdefault(folder, []).append(case.name)
                 except OSError as error:  # such as a full disk: a page would lack figures that were deleted
                     broken = max(broken, complain_of(error), key=SEVERITY.index)
-                    comparisons, left_out[folder] = [], [each.name for each in cases]
+                    comparisons, left_out[folder] = [], sorted({*left_out.get(folder, []), *(each.name for each in cases)})
                     break
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out, keep_head=True), key=SEVERITY.index)
