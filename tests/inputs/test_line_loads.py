@@ -206,14 +206,66 @@ def test_a_face_is_a_joint_where_nine_tenths_of_it_are_covered(cover: float, are
 
 def test_a_load_on_the_area_of_a_stone_lies_on_what_is_seen_from_above() -> None:
     """A stone with the profile of an E: a roof of 1 m, a tongue of 0.5 m below it, and a foot that reaches 0.4 m farther than the roof."""
-    roof, tongue, foot = [(1.0, 0.7), (1.0, 0.8)], [(0.5, 0.4), (0.5, 0.5)], [(1.4, 0.0), (1.4, 0.2)]
-    profile = [(0.0, 0.0), *foot, (0.2, 0.2), (0.2, 0.4), *tongue, (0.2, 0.5), (0.2, 0.7), *roof, (0.0, 0.8)]
-    loads = on_area([prism("stone", profile)], ["stone"]).loads
+    loads = on_area([prism("stone", E_STONE)], ["stone"]).loads
     found = sorted(zip(loads.point.tolist(), loads.force[:, 2].tolist(), strict=True))
     total = {height: sum(size for place, size in found if place[2] == pytest.approx(height)) for height in (0.2, 0.5, 0.8)}
     assert total == pytest.approx({0.2: -0.4 * LOAD, 0.5: 0.0, 0.8: -LOAD})
     assert [place for place, _ in found if place[2] == pytest.approx(0.2)] == [pytest.approx([1.2, 0.5, 0.2])]
     assert all(size < 0.0 for _, size in found)  # nothing where nothing is seen
+
+
+E_STONE = [
+    (0.0, 0.0), (1.4, 0.0), (1.4, 0.2), (0.2, 0.2), (0.2, 0.4), (0.5, 0.4), (0.5, 0.5), (0.2, 0.5), (0.2, 0.7), (1.0, 0.7),
+    (1.0, 0.8), (0.0, 0.8),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("reach", "area"), [(0.1, 1.4), (0.2, 1.4), (0.5, 1.4), (0.85, 1.4), (0.95, 0.4), (1.0, 0.4)])
+def test_a_face_that_is_cut_into_convex_parts_is_one_face(reach: float, area: float) -> None:
+    """The roof of an E lies over its spine, of 0.2 m, and its arm. A cap that covers the one or the other wholly leaves it open."""
+    cap = prism("cap", [(0.0, 0.8), (reach, 0.8), (reach, 1.0), (0.0, 1.0)])
+    assert carried(on_area([prism("stone", E_STONE), cap], ["stone"])) == pytest.approx(area)
+
+
+@pytest.mark.parametrize(("left", "right", "area"), [(1.0, 1.0, 2.0), (1.0, 0.9, 2.0), (1.0, 1.005, 2.0)])
+def test_teeth_of_one_stone_are_faces_of_their_own(left: float, right: float, area: float) -> None:
+    """A stone with two teeth of 1 m and a gap of 1 m: a cap on one tooth makes it a joint, whether the teeth are of one height or not."""
+    teeth = [(0.0, 0.0), (3.0, 0.0), (3.0, right), (2.0, right), (2.0, 0.5), (1.0, 0.5), (1.0, left), (0.0, left)]
+    cap = prism("cap", [(0.0, left), (1.0, left), (1.0, left + 0.5), (0.0, left + 0.5)])
+    assert carried(on_area([prism("stone", teeth), cap], ["stone"])) == pytest.approx(area)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+@pytest.mark.parametrize("place", [(0.0, 0.0), (4.5e5, 5.4e6)])
+def test_faces_within_a_stone_carry_nothing(angle: float, place: tuple[float, float], tmp_path: Path) -> None:
+    """A T is cut into a web and a flange. Under the course above, the flange carries the load as the top face of a box would."""
+    tee = [(0.3, 0.0), (0.7, 0.0), (0.7, 0.5), (1.0, 0.5), (1.0, 0.8), (0.0, 0.8), (0.0, 0.5), (0.3, 0.5)]
+    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.0, 0.2)]
+    profiles = {"ground": [(x, z - 0.2) for x, z in square], "tee": tee, "cap": [(x, z + 0.8) for x, z in square]}
+    text, before = "", 0
+    for name, profile in profiles.items():
+        lines = upright(name, profile, -1.0, 0.0, before).splitlines()
+        corners = [tuple(map(float, line.split()[1:])) for line in lines if line.startswith("v ")]
+        plan = [(turned(angle, x, -height), z) for x, z, height in corners]  # it lies down: its height is the depth of the prism
+        placed = [f"v {x + place[0]:.17g} {y + place[1]:.17g} {z:.17g}" for (x, y), z in plan]
+        text += "\n".join([lines[0], *placed, *(line for line in lines if line.startswith("f "))]) + "\n"
+        before += len(profile)
+    (tmp_path / "stones.obj").write_text(text)
+    (tmp_path / "scene.toml").write_text(
+        "[stone]\ndensity = 2000.0\n[joint]\nfriction = 0.6\n[live]\ndirection = [1, 0, 0]\n"
+        f"[[mesh]]\nfile = 'stones.obj'\nfixed = ['ground']\n[[load]]\nblocks = ['tee']\nper = 'm2'\nforce = [0, 0, {-LOAD}]\n"
+    )
+    assert carried(la_core.load(tmp_path / "scene.toml")) == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("in_the_hollow", [False, True])
+def test_what_lies_under_the_overhang_of_a_stone_does_not_cover_its_open_foot(in_the_hollow: bool) -> None:
+    """A stone like a C with a foot that reaches 0.4 m out of the hollow: the roof of 1 m and these 0.4 m carry the load."""
+    profile = [(0.0, 0.0), (1.4, 0.0), (1.4, 0.2), (0.2, 0.2), (0.2, 0.7), (1.0, 0.7), (1.0, 0.8), (0.0, 0.8)]
+    inside = [prism("inside", [(0.2, 0.2), (1.0, 0.2), (1.0, 0.7), (0.2, 0.7)])] if in_the_hollow else []
+    assert carried(on_area([prism("stone", profile), *inside], ["stone"])) == pytest.approx(1.4)
+    beside = prism("beside", [(1.0, 0.2), (1.4, 0.2), (1.4, 0.8), (1.0, 0.8)])
+    assert carried(on_area([prism("stone", profile), *inside, beside], ["stone"])) == pytest.approx(1.0)
 
 
 def test_a_flank_carries_what_a_joint_above_it_does_not_where_it_is_open() -> None:

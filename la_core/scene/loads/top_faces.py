@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.sparse.csgraph import connected_components
 
-from la_core.geometry import Blocks, face_corners, face_polygons, near_parts, opposite_faces, overlap_of, polygons_of
+from la_core.geometry import Blocks, face_corners, face_polygons, near_parts, opposite_faces, overlap_of, plane_axes, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
 STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
@@ -51,11 +52,9 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     line : two points (x, y), or None
         Line of the load in plan, m; None for the whole area.
     """
-    rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
-    face = _without_joints(blocks, np.flatnonzero(rise > UPWARD))
-    face = _with_flanks(blocks, face, np.flatnonzero((rise > STEEPEST) & (rise <= UPWARD)), chosen)
-    plan, origin, grid = _in_plan(blocks, face)
-    plan = _uncovered(blocks, face, plan, grid)
+    face, seen, origin, grid = _seen_faces(blocks, chosen)
+    rows = _that_carry(blocks, face, seen, origin, grid, chosen)
+    face, plan = face[rows], seen[rows]
     if line is None:
         union = shapely.union_all(plan, grid_size=grid)
         share, whole = shapely.area(plan), float(shapely.area(union))
@@ -107,50 +106,93 @@ def _reached(high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
     return np.concatenate([[-np.inf], np.maximum.accumulate(high + shift)[:-1]])[: len(high)] - shift
 
 
-def _without_joints(blocks: Blocks, face: np.ndarray) -> np.ndarray:
-    """The faces (N,) without those that other blocks cover, where their block has an open one, too.
+def _seen_faces(blocks: Blocks, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """The upward faces (N,) of the chosen blocks (B,) that are seen from above, and what is seen of each.
 
-    A voussoir of an arch carries its fill on its outer face, and not on the joint with its neighbour, which faces up as well. The
-    blocks of a course carry a floor on their only top face, under the course above.
+    Returns the faces, polygons (N,), the place (2,) that they are drawn from, m, and the length that is round-off, m. A compound block
+    has upward faces within it, on the cuts between its convex parts. Steep ones are left out, because they may lie on such a cut.
     """
-    owner = blocks.face_block[face]
-    if not (np.bincount(owner, minlength=len(blocks)) > 1).any():
-        return face
-    is_open = _covered(blocks, face) < COVERED
-    has_open = np.zeros(len(blocks), dtype=bool)
-    has_open[owner[is_open]] = True
-    return face[is_open | ~has_open[owner]]
+    rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
+    face = np.flatnonzero((rise > UPWARD) | ((rise > STEEPEST) & ~blocks.is_compound[blocks.face_block]))
+    plan, origin, grid = _in_plan(blocks, face)
+    seen = _uncovered(blocks, face, plan, grid)
+    is_seen = shapely.area(seen) > SHORTEST * grid * shapely.length(seen)
+    return face[is_seen], seen[is_seen], origin, grid
 
 
-def _with_flanks(blocks: Blocks, face: np.ndarray, steep: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """The top faces (N,), with the open ones of the steep faces (M,) in place of joints between two loaded blocks.
+def _that_carry(blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray) -> np.ndarray:
+    """Rows of the faces (N,), seen from above as polygons `seen` (N,), that carry what lies on their blocks.
+
+    The top faces of a block do, without those that other blocks cover where the block has an open one, too. A voussoir of an arch
+    carries its fill on its outer face, and not on the joint with its neighbour, which faces up as well. The blocks of a course carry a
+    floor on their only top face, under the course above.
 
     The lowest voussoir of an arch has a joint with the next one, and an outer face that is too steep for a top face. Where both
-    voussoirs carry the fill, it lies on their outer faces.
+    voussoirs carry the fill, it lies on their outer faces: open steep faces take the place of joints between two chosen blocks.
     """
-    if not len(steep):
-        return face
-    is_joint = _covered(blocks, face, chosen) >= COVERED
-    is_whole = ~blocks.is_compound[blocks.face_block[steep]]  # a steep face of a compound block may lie inside of it
-    flanks = steep[is_whole & (_covered(blocks, steep) < COVERED)]
-    carries, has_flank = (np.zeros(len(blocks), dtype=bool) for _ in range(2))
-    carries[blocks.face_block[face[~is_joint]]] = True
-    has_flank[blocks.face_block[flanks]] = True
-    is_replaced = has_flank & ~carries
-    return np.sort(np.concatenate([face[~is_replaced[blocks.face_block[face]]], flanks[is_replaced[blocks.face_block[flanks]]]]))
+    owner, is_top = blocks.face_block[face], blocks.face_normal[face, 2] > UPWARD
+    if is_top.all() and not (np.bincount(owner, minlength=len(blocks)) > 1).any():
+        return np.arange(len(face))
+    covered, covered_by_chosen = _covered(blocks, face, seen, origin, grid, chosen)
+    is_open = covered < COVERED
+    carries = is_top & (is_open | ~_some(owner[is_top & is_open], len(blocks))[owner])
+    flank = ~is_top & is_open
+    is_replaced = _some(owner[flank], len(blocks)) & ~_some(owner[carries & (covered_by_chosen < COVERED)], len(blocks))
+    return np.flatnonzero(np.where(is_replaced[owner], flank, carries))
 
 
-def _covered(blocks: Blocks, face: np.ndarray, by: np.ndarray | None = None) -> np.ndarray:
-    """Share (N,) of each of some faces (N,) that faces of other blocks cover. by: mask (B,) of blocks that count; None for all."""
+def _some(owner: np.ndarray, count: int) -> np.ndarray:
+    """Which of `count` blocks own one of some faces with these owners (N,)."""
+    return np.bincount(owner, minlength=count) > 0
+
+
+def _covered(
+    blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Shares (N,) of what is seen of faces (N,) that all other blocks cover, and that the chosen ones (B,) among them cover.
+
+    The pieces of a face that is cut into convex parts have the share of the whole face.
+    """
     parts = blocks.parts
     size, pairs = near_parts(blocks, NEAR)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     _, below, above = opposite_faces(parts, both, NEAR * size[both].min(axis=1), size, OPPOSITE)
-    counts = np.isin(below, face) if by is None else np.isin(below, face) & by[blocks.face_block[above]]
-    below, above = below[counts], above[counts]
-    area = np.zeros(len(parts.face_block))
-    np.add.at(area, below, shapely.area(overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))))
-    return np.asarray(area[face] / shapely.area(face_polygons(parts, face, face)))
+    below, above = below[kept := np.isin(below, face)], above[kept]
+    overlap = overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))
+    row, area = np.searchsorted(face, below), shapely.area(overlap) * blocks.face_normal[below, 2]
+    cut = blocks.is_compound[blocks.face_block[below]]
+    area[cut] = shapely.area(shapely.intersection(_lowered(blocks, overlap[cut], below[cut], origin), seen[row[cut]], grid_size=grid))
+    whole = _whole_faces(blocks, face, seen)
+    total = np.bincount(whole, shapely.area(seen), len(face))
+    by_all, by_chosen = (np.bincount(whole[row], area * counts, len(face)) for counts in (1.0, chosen[blocks.face_block[above]]))
+    return by_all[whole] / total[whole], by_chosen[whole] / total[whole]
+
+
+def _lowered(blocks: Blocks, polygons: np.ndarray, plane: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Polygons (N,) in the planes of upward faces (N,), as `face_polygons` draws them, seen from above and drawn from `origin` (2,)."""
+    first, second = plane_axes(blocks.face_normal[plane])
+    corner = blocks.vertices[blocks.face_vertex[blocks.face_start[plane]]]
+    flat, row = shapely.get_coordinates(polygons, return_index=True)
+    plan = corner[row, :2] - origin + flat[:, :1] * first[row, :2] + flat[:, 1:] * second[row, :2]
+    return np.asarray(shapely.set_coordinates(polygons.copy(), plan))
+
+
+def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """The whole face, a number (N,), of each upward face (N,): pieces of one block that lie in one plane and meet are one face.
+
+    seen: what is seen of the faces from above, polygons (N,).
+    """
+    whole, owner = np.arange(len(face)), blocks.face_block[face]
+    for block in np.flatnonzero(blocks.is_compound):
+        own = np.flatnonzero(owner == block)
+        normal, reach = blocks.face_normal[face[own]], NEAR * float(np.linalg.norm(blocks.high[block] - blocks.low[block]))
+        corner = blocks.vertices[blocks.face_vertex[blocks.face_start[face[own]]]]
+        height = np.abs(np.einsum("ik,ijk->ij", normal, corner[None, :] - corner[:, None]))  # of each corner above the plane of each face
+        alike = np.linalg.norm(normal[:, None] - normal[None, :], axis=2) <= OPPOSITE
+        one_plane = alike & (np.maximum(height, height.T) <= reach)
+        meet = one_plane & (shapely.distance(seen[own][:, None], seen[own][None, :]) <= reach)
+        whole[own] = own[connected_components(meet, directed=False)[1]]
+    return whole
 
 
 def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
