@@ -162,7 +162,7 @@ def _covered(
     row, area = np.searchsorted(face, below), shapely.area(overlap) * blocks.face_normal[below, 2]
     cut = blocks.is_compound[blocks.face_block[below]]
     area[cut] = shapely.area(shapely.intersection(_lowered(blocks, overlap[cut], below[cut], origin), seen[row[cut]], grid_size=grid))
-    whole = _whole_faces(blocks, face, seen)
+    whole = _whole_faces(blocks, face, seen, grid)
     total = np.bincount(whole, shapely.area(seen), len(face))
     by_all, by_chosen = (np.bincount(whole[row], area * counts, len(face)) for counts in (1.0, chosen[blocks.face_block[above]]))
     return by_all[whole] / total[whole], by_chosen[whole] / total[whole]
@@ -177,10 +177,10 @@ def _lowered(blocks: Blocks, polygons: np.ndarray, plane: np.ndarray, origin: np
     return np.asarray(shapely.set_coordinates(polygons.copy(), plan))
 
 
-def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """The whole face, a number (N,), of each upward face (N,): pieces of one block that lie in one plane and meet are one face.
+def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray, grid: float) -> np.ndarray:
+    """The whole face, a number (N,), of each upward face (N,): pieces of one block that lie in one plane and share an edge are one.
 
-    seen: what is seen of the faces from above, polygons (N,).
+    seen: what is seen of the faces from above, polygons (N,). grid: length that is round-off, m.
     """
     whole, owner = np.arange(len(face)), blocks.face_block[face]
     for block in np.flatnonzero(blocks.is_compound):
@@ -189,8 +189,10 @@ def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray) -> np.ndarr
         corner = blocks.vertices[blocks.face_vertex[blocks.face_start[face[own]]]]
         height = np.abs(np.einsum("ik,ijk->ij", normal, corner[None, :] - corner[:, None]))  # of each corner above the plane of each face
         alike = np.linalg.norm(normal[:, None] - normal[None, :], axis=2) <= OPPOSITE
-        one_plane = alike & (np.maximum(height, height.T) <= reach)
-        meet = one_plane & (shapely.distance(seen[own][:, None], seen[own][None, :]) <= reach)
+        first, second = np.nonzero(alike & (np.maximum(height, height.T) <= reach))
+        edge = shapely.length(shapely.intersection(seen[own[first]], seen[own[second]], grid_size=grid))
+        meet = np.zeros(alike.shape, dtype=bool)
+        meet[first, second] = edge > SHORTEST * grid
         whole[own] = own[connected_components(meet, directed=False)[1]]
     return whole
 
