@@ -82,8 +82,7 @@ class Solution(Held):
     mechanism_violation : float
         Largest violation of the flow rule over the largest speed of a block.
     duality_gap : float
-        Difference between the values from forces and from work, over the mean free-block weight (a multiplier: as it
-        is).
+        Difference between the values from forces and from work, over the mean free-block weight (a multiplier: as it is).
     seconds : float
         Time in the solver, all attempts; always defined.
     iterations : int
@@ -277,6 +276,7 @@ def solution_of(
     return _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + driven.imposed) * driven.speed, forces, answer, accuracy)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a solver that broke off may return any numbers
 def _with_evidence(
     assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: ProgrammeAnswer, accuracy: float
 ) -> Solution:

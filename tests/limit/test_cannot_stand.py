@@ -1,5 +1,6 @@
 """Structures without equilibrium: the status says so and names the blocks that fall; and supports that nothing lets move."""
 
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -293,3 +294,18 @@ def test_a_block_that_tips_falls_by_what_its_centroid_is_beyond_the_edge(beyond:
     farthest = np.hypot(lying[0] - 1.0, lying[1])
     assembly = assemble(scenes.build(held, block, friction=0.6, plane=plane))
     assert share_of_free_fall(assembly) == pytest.approx(beyond / farthest, rel=1e-5)
+
+
+@both_drives
+def test_numbers_beyond_all_bounds_warn_nobody(drive: Drive, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a structure can just not stand, the solver may break off with velocities whose squares are beyond the largest number."""
+    asked = associated.maximise
+
+    def broken_off(*given: Any) -> Any:
+        return replace(answer := asked(*given), x=1e160 * answer.x, multipliers=1e160 * answer.multipliers)
+
+    monkeypatch.setattr(associated, "maximise", broken_off)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        solution = solve_associated(assemble(scenes.build(PADS[1], STANDING, friction=0.6)), drive)
+    assert solution.status is Status.INACCURATE
