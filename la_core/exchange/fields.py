@@ -88,7 +88,7 @@ PART_FIELDS = (
 )
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
 # Optional: files of version 0.2.0 do not have it.
-SWAY = Field("joints/sway", "f8", (), "m", "what joints/sag would be if the weights acted sideways, in the worse of the two directions")
+SWAY = Field("joints/sway", "f8", (), "m", "what joints/sag would be if the weights acted sideways, where the structure sways most slowly")
 # Optional: only where the path of limit analysis was long.
 LONG_RUN_SETTINGS = Field(
     "scene/settings_of_long_run", "str", (), "", "scene/settings where a run with those would take long, a JSON object"

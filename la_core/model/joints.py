@@ -16,6 +16,7 @@ from scipy.sparse.linalg import cg
 from la_core.errors import SceneError
 from la_core.exchange import RADIUS_OVER_INSET, TRAVEL_OVER_INSET, broken_rule
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
+from la_core.model.mirrors import mirrored_across
 
 TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
 ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass for a mechanism
@@ -42,7 +43,8 @@ class JointStiffness:
         Largest displacement of a centroid under the weights, m, with glued joints that have the normal stiffness in
         all directions; NaN where nothing holds the structure.
     sway : float
-        The same with weights that act sideways, in the worst horizontal direction of the axes; NaN where it is unknown.
+        The same with weights that act sideways, in the worse of the directions in which the structure may sway: x and y, or along
+        the one vertical mirror that it shares with its loads and its drive; NaN where it is unknown.
     """
 
     normal: float
@@ -131,9 +133,17 @@ def _glued(assembly: Assembly) -> tuple[float, float, float]:
 
     load = assembly.dead_load[standing]
     down = moved(load, SOLVER_TOLERANCE)
-    sideways = [np.linalg.norm(load[:, :3], axis=1)[:, None] * axis for axis in (np.eye(6)[:1] if plane else np.eye(6)[:2])]
+    sideways = [np.linalg.norm(load[:, :3], axis=1)[:, None] * np.append(way, np.zeros(3)) for way in _ways_to_sway(assembly)]
     force = float(np.linalg.norm((gaps @ down).reshape(-1, width), axis=1).max())
     return largest(down), force, max(largest(moved(pushed, SWAY_TOLERANCE)) for pushed in sideways)
+
+
+def _ways_to_sway(assembly: Assembly) -> list[np.ndarray]:
+    """Horizontal directions (3,) in which a structure may sway: the axes x and y, or along its mirror, which it cannot leave."""
+    if assembly.effects.plane:
+        return [np.eye(3)[0]]
+    across = mirrored_across(assembly)
+    return [np.eye(3)[0], np.eye(3)[1]] if across is None else [np.cross(assembly.down, across)]
 
 
 def connected_to_held(assembly: Assembly) -> np.ndarray:

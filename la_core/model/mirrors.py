@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry import plane_axes
-from la_core.model.assembly import Assembly
+from la_core.model.assembly import Assembly, per_length
 
 ASKEW = np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0])  # a direction in which no two places on a regular grid are level
+SAME_LOAD = 1e-8  # relative difference below which loads and velocities are the same
 SAME_PLACE = 1e-9  # of the mean size of a block: distance below which two points are the same
 
 
@@ -68,6 +69,27 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
         if len(found) > len(best[1]):
             best = axes, found
     return best
+
+
+def mirrored_across(assembly: Assembly) -> np.ndarray | None:
+    """Horizontal direction (3,) normal to the only mirror that a structure shares with its loads and the motion of its supports.
+
+    From rest such a structure never moves along this direction as a whole. None without such a mirror, and with two of them.
+    """
+    axes, found = images(assembly)
+    shared = [image for image in found if np.prod(image.signs) < 0.0 and _is_shared(assembly, image)]
+    return axes[int(np.argmin(shared[0].signs))] if len(shared) == 1 else None
+
+
+def _is_shared(assembly: Assembly, image: Image) -> bool:
+    """Whether an image of a structure has its loads and the motion of its supports."""
+    free = assembly.blocks.free
+    velocity = assembly.relative_velocity(assembly.support_twist)
+    pairs = [(image.swap[:, None] * velocity[image.point], velocity @ image.matrix)]
+    turn = np.prod(image.signs)  # a mirror reverses the sense of a moment
+    for load in (per_length(one[free], assembly.length) for one in (assembly.dead_load, assembly.live_load)):
+        pairs.append((load[image.block], np.hstack([load[:, :3] @ image.matrix, turn * load[:, 3:] @ image.matrix])))
+    return all(np.abs(one - other).max() <= SAME_LOAD * np.abs(other).max() for one, other in pairs)
 
 
 def _candidates(assembly: Assembly) -> list[np.ndarray]:
