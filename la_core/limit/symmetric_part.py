@@ -13,10 +13,9 @@ from scipy import sparse
 
 from la_core.limit.conic import Cones, ProgrammeAnswer
 from la_core.limit.problem import DrivenProblem, ScaledProblem, multipliers_of, points_of_rows
-from la_core.model import Assembly, Image, global_forces, images, twists_of
+from la_core.model import SAME_LOAD, Assembly, Image, global_forces, images, twists_of
 
 LEAST_UNKNOWNS = 1000  # 333 blocks in the plane, 167 in space: for less the search was not worth its time
-SAME_LOAD = 1e-8  # relative difference below which loads and velocities are the same
 ROUND_OFF = 1e-12  # an entry of the part below this, beside entries of order one, is what should have cancelled
 
 
