@@ -74,7 +74,7 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
 def mirrored_across(assembly: Assembly) -> np.ndarray | None:
     """Horizontal direction (3,) normal to the only mirror that a structure shares with its loads and the motion of its supports.
 
-    From rest such a structure never moves along this direction as a whole. None without such a mirror, and with two of them.
+    Such a structure stays its own mirror image, so that it never sways along this direction. None without such a mirror, and with two.
     """
     axes, found = images(assembly)
     shared = [image for image in found if np.prod(image.signs) < 0.0 and _is_shared(assembly, image)]

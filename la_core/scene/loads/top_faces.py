@@ -53,7 +53,7 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
         Line of the load in plan, m; None for the whole area.
     """
     face, seen, origin, grid = _seen_faces(blocks, chosen)
-    rows = _that_carry(blocks, face, seen, origin, grid, chosen)
+    rows = _carrying_rows(blocks, face, seen, origin, grid, chosen)
     face, plan = face[rows], seen[rows]
     if line is None:
         union = shapely.union_all(plan, grid_size=grid)
@@ -120,7 +120,7 @@ def _seen_faces(blocks: Blocks, chosen: np.ndarray) -> tuple[np.ndarray, np.ndar
     return face[is_seen], seen[is_seen], origin, grid
 
 
-def _that_carry(blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray) -> np.ndarray:
+def _carrying_rows(blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray) -> np.ndarray:
     """Rows of the faces (N,), seen from above as polygons `seen` (N,), that carry what lies on their blocks.
 
     The top faces of a block do, without those that other blocks cover where the block has an open one, too. A voussoir of an arch
@@ -157,7 +157,8 @@ def _covered(
     size, pairs = near_parts(blocks, NEAR)
     both = np.concatenate([pairs, pairs[:, ::-1]])
     _, below, above = opposite_faces(parts, both, NEAR * size[both].min(axis=1), size, OPPOSITE)
-    below, above = below[kept := np.isin(below, face)], above[kept]
+    kept = np.isin(below, face)
+    below, above = below[kept], above[kept]
     overlap = overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))
     row, area = np.searchsorted(face, below), shapely.area(overlap) * blocks.face_normal[below, 2]
     cut = blocks.is_compound[blocks.face_block[below]]
