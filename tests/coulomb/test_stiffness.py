@@ -72,7 +72,7 @@ def sway_about(arms: tuple[float, ...], points: int, normal: float) -> float:
     ],
 )
 def test_a_block_on_two_pads_sways_about_the_shorter_axis_of_its_base(options: dict[str, Any], arms: tuple[float, ...]) -> None:
-    """Not where it would leave its mirror, the plane of x and z, which only a drive along y takes away."""
+    """The plane of x and z is its mirror. It sways along it, and across it only where the drive has a part along y."""
     found, points = stiffness(slab(inset=0.01, **options)), 4 if options["plane"] else 8
     assert found.sway == pytest.approx(sway_about(arms, points, found.normal), rel=2e-3)
 
@@ -94,7 +94,7 @@ def test_a_load_beside_the_mirror_of_a_block_makes_it_sway_across(force: Point, 
 
 
 def test_a_block_that_settles_as_a_whole_may_sway_both_ways() -> None:
-    """It has two mirrors. What it would do if it left one of them is all that is known of its slowest swing."""
+    """It has two mirrors. No direction is left if both count, so neither does."""
     pad = scenes.box("pad", (-0.1, 0.0, -0.2), (0.3, 1.0, 0.0), "support")
     parts = (pad, scenes.box("tower", (0.0, 0.0, 0.0), (0.2, 1.0, 2.0)))
     one, other = (stiffness(scenes.build(*parts, inset=0.01, plane=plane)) for plane in (True, False))

@@ -56,7 +56,7 @@ def by_columns(mine: np.ndarray, others: np.ndarray, area: np.ndarray) -> float:
 
 @pytest.mark.parametrize("turn", [0.0, 17.0])
 def test_the_open_faces_of_a_compound_block_carry_the_load(turn: float) -> None:
-    """300 cells make up to some 100 blocks of 1 to 8 cells; a sixth of them are left out and half of the others carry the load."""
+    """The 280 cells of a grid make blocks of 1 to 8 cells. A sixth of the blocks is left out, and half of the others carry the load."""
     random = np.random.default_rng(20261129)
     ways = [np.cumsum([0.0, *random.uniform(0.2, 0.6, count)]) for count in (8, 7, 5)]
     owner = grown(random, (8, 7, 5), 8)

@@ -227,12 +227,12 @@ def test_a_face_that_is_cut_into_convex_parts_is_one_face(reach: float, area: fl
     assert carried(on_area([prism("stone", E_STONE), cap], ["stone"])) == pytest.approx(area)
 
 
-@pytest.mark.parametrize(("left", "right", "area"), [(1.0, 1.0, 2.0), (1.0, 0.9, 2.0), (1.0, 1.005, 2.0)])
-def test_teeth_of_one_stone_are_faces_of_their_own(left: float, right: float, area: float) -> None:
-    """A stone with two teeth of 1 m and a gap of 1 m: a cap on one tooth makes it a joint, whether the teeth are of one height or not."""
-    teeth = [(0.0, 0.0), (3.0, 0.0), (3.0, right), (2.0, right), (2.0, 0.5), (1.0, 0.5), (1.0, left), (0.0, left)]
-    cap = prism("cap", [(0.0, left), (1.0, left), (1.0, left + 0.5), (0.0, left + 0.5)])
-    assert carried(on_area([prism("stone", teeth), cap], ["stone"])) == pytest.approx(area)
+@pytest.mark.parametrize("right", [1.0, 0.9, 1.005])
+def test_teeth_of_one_stone_are_faces_of_their_own(right: float) -> None:
+    """Under a cap on the left tooth the gap and the right tooth carry the load, 1 m2 each, whatever the height of the right one."""
+    teeth = [(0.0, 0.0), (3.0, 0.0), (3.0, right), (2.0, right), (2.0, 0.5), (1.0, 0.5), (1.0, 1.0), (0.0, 1.0)]
+    cap = prism("cap", [(0.0, 1.0), (1.0, 1.0), (1.0, 1.5), (0.0, 1.5)])
+    assert carried(on_area([prism("stone", teeth), cap], ["stone"])) == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("angle", ANGLES)

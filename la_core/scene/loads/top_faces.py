@@ -151,7 +151,7 @@ def _covered(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Shares (N,) of what is seen of faces (N,) that all other blocks cover, and that the chosen ones (B,) among them cover.
 
-    The pieces of a face that is cut into convex parts have the share of the whole face.
+    The pieces of a face that is cut into convex parts have the share of the whole face. seen, origin and grid: see `_seen_faces`.
     """
     parts = blocks.parts
     size, pairs = near_parts(blocks, NEAR)
