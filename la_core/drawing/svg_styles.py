@@ -18,7 +18,7 @@ MOVES = {  # what a style may give beside `transform`, and the values that move 
 # Properties that change what is seen and are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
-NO_LENGTH = re.compile(r"[-+]?(?=[\d.]*[1-9])[\d.]+")  # a number without a unit, unless 0: CSS ignores it
+NO_LENGTH = re.compile(r"[-+]?(?=[\d.]*[1-9])[\d.]+(?:e[-+]?\d+)?")  # a number without a unit, unless 0: CSS ignores it
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")

@@ -372,6 +372,7 @@ STYLED = {  # sizes and places of styles, and the box that they give, m
     "style": ("<rect x='1' width='7' height='100' style='x: 100px; width: 20cm'/>", [0.1, -0.1, 0.1 + 0.2 * 96.0 / 25.4, 0.0]),
     "style over sheet": ("<style>.a {width: 1px}</style>" + RED.replace("/>", " style='width:50px'/>"), [0.05, -0.057, 0.1, -0.05]),
     "without a unit": ("<rect width='200' height='100' style='width: 300; height: -5.5; x: 0.0'/>", [0.0, -0.1, 0.2, 0.0]),
+    "with an exponent": ("<rect width='200' height='100' style='width: 3e2; height: .5E+1; x: 1e-2'/>", [0.0, -0.1, 0.2, 0.0]),
     "circle": ("<circle cx='1' r='1' style='cx: 500px; cy: 50px; r: 50px'/>", [0.45, -0.1, 0.55, 0.0]),
     "ellipse": ("<style>#e {rx: 100px; ry: 50px}</style><ellipse id='e' cx='100' cy='50'/>", [0.0, -0.1, 0.2, 0.0]),
     "copy": (f"<style>use {{x: 100px}}</style><defs><g id='o'>{RED}</g></defs><use href='#o'/>", [0.15, -0.057, 0.157, -0.05]),
