@@ -3,8 +3,9 @@
 The first attempt moves `quick_speed` times as fast as the run. How it ends decides what follows:
 
 - Its blocks rattle: the next attempt damps the swing of the blocks, which leaves the time step as it is. Where blocks rattle even then, the
-  contacts get critical damping, too, and steps are a third as long. (A large plane structure, whose swing is damped at once, keeps its
-  dashpots: on a wall of 1,008 blocks both gave the same reaction.)
+  contacts get critical damping, too, and steps are a third as long. Where one of a hundred blocks or more jumps even so, two attempts with
+  the light dashpots follow, at a half and a quarter of the run's speed; where these fail, that at the run's speed with critical damping.
+  (A large plane structure, whose swing is damped at once, keeps its dashpots: on a wall of 1,008 blocks both gave the same reaction.)
 - Its curve still creeps at the end of the travel: the next attempt has stiffer joints, because only travel over the elastic sag counts.
 - It sticks and slips: the next attempt damps the swing.
 - Otherwise the attempt at the run's own speed follows, and a slower one where this one still sticks and slips, or its speed matters much.
@@ -21,7 +22,7 @@ from dataclasses import dataclass, replace
 from la_core.exchange import EARLIER_ATTEMPT, UNCERTAIN
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
-from yade_scripts.faults import rattles
+from yade_scripts.faults import is_restless
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
@@ -29,6 +30,7 @@ from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
+SLOW_PAIR = 4.0  # time steps of both slow attempts over those of a quick critical one: 12 times its duration, in steps 3 times as long
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,23 @@ class Attempts:
 
 @dataclass(frozen=True)
 class Plan:
-    """An attempt to be made: its speed over that of the run; stiffening and both dampings, None for the derived ones."""
+    """An attempt to be made.
+
+    Attributes
+    ----------
+    pace : float
+        Its speed over that of the run.
+    stiffening, damping, swing : float or None
+        Stiffening and both dampings; None for the derived ones.
+    own : float
+        Speed of the attempt that counts, over that of the run; a quicker one comes before it.
+    """
 
     pace: float
     stiffening: float | None = None
     damping: float | None = None
     swing: float | None = None
+    own: float = 1.0
 
 
 class WithoutSearch:
@@ -76,7 +89,7 @@ class WithoutSearch:
         self._run, self._searches = run, False
 
     def __call__(self, case: Case, settings: Settings, pace: float) -> Protocol:
-        """Make one attempt, a second time where it needs the search. pace: its speed over that of the run."""
+        """Make one attempt, a second time where it needs the search. pace: its speed over that of the attempt that counts."""
         if case.displacement == "small":
             return self._run(case, settings, pace, None)
         dropped = 0
@@ -95,13 +108,15 @@ class WithoutSearch:
 
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings, float], Protocol]) -> Attempts:
-    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings and pace, its speed over the run's."""
+    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings and pace, its speed over that of
+    the attempt that counts.
+    """
     large = is_large(case)  # once for all attempts: more damping makes more steps
     if large and derived.swing_damping > 0.0:  # it keeps its dashpots
         case = replace(case, overrides=case.overrides | {"damping_ratio": derived.damping_ratio})
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
-        attempt = run(case, settings_of(case, derived, plan, large), plan.pace)
+        attempt = run(case, settings_of(case, derived, plan, large), plan.pace / plan.own)
         steps += attempt.steps + attempt.dropped_steps
         outcome = _with_rate(attempt, before)
         again = _next(attempt, outcome, plan, steps)
@@ -141,7 +156,8 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
-    if attempt.may_damp and rattles(attempt.case, settings, attempt.record) and (calmer := _calmer(attempt, plan, steps)):
+    is_calm = plan.own == 1.0 and not is_restless(attempt.case, settings, attempt.record, attempt.may_damp, pace)
+    if not is_calm and (calmer := _calmer(attempt, plan, steps)):
         return calmer
     creeps = attempt.status is Status.NO_PLATEAU and attempt.plateau.creeps
     stiffer = STIFFER * settings.stiffening
@@ -158,11 +174,24 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     return replace(plan, pace=SLOWER * pace) if may_slow and not creeps and (sticks or hurried) else None
 
 
+def _after_slow(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
+    """Return the attempt after a slow one: a slower one, or with critical dashpots at the run's own speed; None where it has a plateau."""
+    slower = plan.pace / plan.own
+    if slower > 1.0 and _affordable(attempt, steps, slower):
+        return replace(plan, pace=plan.own)
+    return None if attempt.status is Status.PLATEAU else replace(plan, pace=1.0, own=1.0, damping=CRITICAL)
+
+
 def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
-    """Return the attempt after one that rattles: with its swing damped, else with critical dashpots; None where neither may be made.
+    """Return the attempt after one that rattles: with its swing damped, with critical dashpots, or slow; None where none may be made.
 
     It is a quick one again: what speed does is known only from two attempts with the same damping.
     """
+    if plan.own < 1.0:
+        return _after_slow(attempt, plan, steps)
+    if plan.damping == CRITICAL:
+        slow = replace(plan, pace=SLOWEST * plan.pace, own=SLOWEST, damping=None)
+        return slow if _affordable(attempt, steps, SLOW_PAIR) else replace(plan, pace=1.0)
     quick = attempt.settings.quick_speed or 1.0
     if _may_calm(attempt) and _affordable(attempt, steps, 1.0):
         return replace(plan, pace=quick, swing=SWING_DAMPING)

@@ -25,7 +25,7 @@ class AttemptSteps:
     longest : float
         From there to the end of the travel.
     later : float
-        Of the attempt at the run's own speed that follows a quick one; 0 where none is expected.
+        Of the slower attempt that follows a quick one; 0 where none is expected.
     """
 
     resting: float
@@ -49,7 +49,7 @@ class AttemptSteps:
 
 
 def expected_steps(case: Case, settings: Settings, pace: float) -> AttemptSteps:
-    """Return the time steps that are expected of an attempt; pace: its speed over that of the run."""
+    """Return the time steps that are expected of an attempt; pace: its speed over that of the attempt that counts."""
     growing, wedging = RESTING * settings.gravity_ramp, settings.wedging / settings.speed
     starting, loading, longest_loading = 0.5 * settings.ramp_time + wedging, 0.0, 0.0
     if case.live is not None:

@@ -10,7 +10,9 @@ from la_core.exchange import GRAVITY, JUMP
 from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.recorder import Record, Row, Status
-from yade_scripts.settings import Settings, rattling_of
+from yade_scripts.settings import CRITICAL, Settings, rattling_of
+
+MANY = 100  # free blocks: of so many one may jump even under critical dashpots, where slow motion would hold it
 
 
 def settlement_words(case: Case, settlement: float, start: float | None = None) -> str:
@@ -43,6 +45,26 @@ def jumps(case: Case, settings: Settings, record: Record) -> bool:
 def rattles(case: Case, settings: Settings, record: Record) -> bool:
     """Return whether blocks jump on the way to the plateau or on it, or rattle on the mean."""
     return jumps(case, settings, record) or record.rattles(plateau.STARTS[0], _allowed(case, settings, record))
+
+
+def gives_way(case: Case, settings: Settings, pace: float) -> bool:
+    """Return whether an attempt with all its damping gives way to slow ones where one of many blocks jumps.
+
+    Only a quick one does, and none of a scene that sets damping or speed. pace: its speed over that of the attempt that counts.
+    """
+    is_given = {"damping_ratio", "normal_damping", "speed"} & set(case.overrides)
+    is_calmed = settings.damping_ratio >= CRITICAL and settings.swing_damping > 0.0
+    return pace > 1.0 and is_calmed and not is_given and len(case.free) >= MANY
+
+
+def is_restless(case: Case, settings: Settings, record: Record, may_damp: bool, pace: float) -> bool:
+    """Return whether blocks rattle, or one of them jumps, where a calmer attempt may follow.
+
+    may_damp: whether one with more damping may follow; pace: as of `gives_way`.
+    """
+    if may_damp:
+        return rattles(case, settings, record)
+    return gives_way(case, settings, pace) and jumps(case, settings, record)
 
 
 def _allowed(case: Case, settings: Settings, record: Record) -> float:

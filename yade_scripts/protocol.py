@@ -13,7 +13,7 @@ from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
-from yade_scripts.faults import jumps, loss_of, rattles, settlement_words
+from yade_scripts.faults import is_restless, jumps, loss_of, settlement_words
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import Record, Row, Status
@@ -34,27 +34,22 @@ class Protocol:
 
     Attributes
     ----------
-    case : Case
-        The case that runs.
-    settings : Settings
-        Every setting of the run.
-    model : Model
-        Its bodies in YADE.
-    record : Record
-        Rows and poses so far.
+    case, settings : Case, Settings
+        The case that runs, and every setting of the run.
+    model, record : Model, Record
+        Its bodies in YADE; rows and poses so far.
     progress : callable
         Receives stage, time steps of the attempt so far, settlement and reaction of each row.
     near : NearFaces or None
-        Faces near the spheres that they do not touch: the run ends where one of them may be met.
-        None where YADE looks for new contacts, or none can form.
+        Faces that its spheres do not touch: it ends where one may be met. None where YADE looks for new contacts, or none can form.
+    pace : float
+        Its speed over that of the attempt that counts.
     met_face : bool
         Whether it ended so.
     dropped_steps : int
         Time steps of an attempt that this one repeats.
-    status : Status or None
-        How the run ended; None while it runs.
-    message : str
-        Why it ended, as a phrase.
+    status, message : Status or None, str
+        How the run ended, None while it runs; and why, as a phrase.
     asked_settlement : float
         Settlement imposed so far, m or rad.
     error : BaseException or None
@@ -69,6 +64,7 @@ class Protocol:
     record: Record
     progress: Progress
     near: NearFaces | None = None
+    pace: float = 1.0
     met_face: bool = False
     dropped_steps: int = 0
     status: Status | None = None
@@ -265,15 +261,19 @@ class Protocol:
             may_end = self.search.look(self.asked_settlement)
             # A damped swing dies away as the run goes on, so that only a jump ends such a run early, at what it has shown by then.
             is_calmed = settings.swing_damping > 0.0
-            if self.may_damp and rattles(self.case, settings, self.record) and not is_calmed:
+            if self._is_restless and not is_calmed:
                 self._end_rattling()
-            elif may_end or (self.may_damp and is_calmed and jumps(self.case, settings, self.record)):
+            elif may_end or (self._is_restless and jumps(self.case, settings, self.record)):
                 self._judge()
 
     @property
     def may_damp(self) -> bool:
         """Whether an attempt with more damping may follow."""
         return self.settings.damping_ratio < CRITICAL and not {"damping_ratio", "normal_damping"} & set(self.case.overrides)
+
+    @property
+    def _is_restless(self) -> bool:
+        return is_restless(self.case, self.settings, self.record, self.may_damp, self.pace)
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
@@ -286,7 +286,7 @@ class Protocol:
             return
         status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
         # Rattling counts up to the plateau: what came after one that the reaction left is cut off.
-        if self.may_damp and rattles(self.case, self.settings, self.record):
+        if self._is_restless:
             self._end_rattling()
         else:
             self._end(status, message)

@@ -160,7 +160,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
         model = bodies.build(one, left, "watch()", "pull()", "calm()")
         reporter.attempt(expected_steps(one, chosen, pace), left.time_limit)
-        made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near)
+        made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near, pace)
         _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()
         made.settings = dataclasses.replace(chosen, time_limit=limit)

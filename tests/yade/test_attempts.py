@@ -1,7 +1,7 @@
 """Which attempts a run in YADE makes, and what they come to: attempts that are made up, without YADE."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -17,10 +17,10 @@ from la_core.analysis import analyse, case_file
 from yade_scripts import case, settings
 from yade_scripts.plateau import Outcome
 
-attempts, protocol, recorder = (without_yade(name) for name in ("attempts", "protocol", "recorder"))
+attempts, faults, protocol, recorder = (without_yade(name) for name in ("attempts", "faults", "protocol", "recorder"))
 STATUS = recorder.Status
 STEPS, SCATTER = 1000, 0.25
-Tried = tuple[float, float, float, float]  # speed over the run's, stiffening, damping ratio, damping of the swing
+Tried = tuple[float, float, float, float]  # speed over that of the attempt that counts, stiffening, damping ratio, damping of the swing
 
 
 @pytest.fixture(scope="module")
@@ -30,34 +30,58 @@ def wall(tmp_path_factory: pytest.TempPathFactory) -> case.Case:
     return case.from_fields(exchange.read(path, (*exchange.CASE_FIELDS, exchange.SWAY)))
 
 
-def ended(reaction: float = 100.0, status: Any = STATUS.PLATEAU, creeps: bool = False, unrest: float = 0.0, steps: int = STEPS) -> Any:
-    """How an attempt ends. unrest: its mean unbalanced force, of a block's weight."""
-    record = SimpleNamespace(rows=[SimpleNamespace(reaction=0.0)], jumps=lambda _: False, rattles=lambda _, allowed: unrest > allowed)
+def ended(
+    reaction: float = 100.0,
+    status: Any = STATUS.PLATEAU,
+    creeps: bool = False,
+    unrest: float = 0.0,
+    jump: float = 0.0,
+    steps: int = STEPS,
+) -> Any:
+    """How an attempt ends. unrest: its mean unbalanced force, of a block's weight; jump: its largest one."""
+    record = SimpleNamespace(
+        rows=[SimpleNamespace(reaction=0.0)], jumps=lambda allowed: jump > allowed, rattles=lambda _, allowed: unrest > allowed
+    )
     outcome = Outcome(reaction, SCATTER, 0.0, 0.0)
     plateau = SimpleNamespace(creeps=creeps)
     return SimpleNamespace(status=status, plateau=plateau, outcome=outcome, record=record, steps=steps, dropped_steps=7, message="m")
 
 
 RATTLING, CREEPING = {"unrest": 0.1}, {"status": STATUS.NO_PLATEAU, "creeps": True}
+JUMPING = {"status": STATUS.NO_PLATEAU, "jump": 0.6}
 STICKING, FALLING = {"status": STATUS.NO_PLATEAU}, {"status": STATUS.COLLAPSED}
 
 
-def made(one: case.Case, *script: dict[str, Any]) -> tuple[list[Tried], Any]:
-    """Make attempts that end by a script, the last of it for all further ones; return their settings and what they came to."""
-    tried: list[Tried] = []
+def scripted(script: Sequence[dict[str, Any]], chosen: list[tuple[float, settings.Settings]]) -> Callable[..., Any]:
+    """Return what makes attempts that end by a script, the last of it for all further ones; chosen: receives their pace and settings."""
     endings: Iterator[dict[str, Any]] = iter(script)
     last: dict[str, Any] = {}
 
-    def run(which: case.Case, chosen: settings.Settings, pace: float) -> Any:
+    def run(which: case.Case, given: settings.Settings, pace: float) -> Any:
         nonlocal last
         last = next(endings, last)
-        tried.append((pace, chosen.stiffening, chosen.damping_ratio, chosen.swing_damping))
+        chosen.append((pace, given))
         attempt = ended(**last)
-        attempt.case, attempt.settings = which, chosen
+        attempt.case, attempt.settings = which, given
         attempt.may_damp = protocol.Protocol.may_damp.fget(attempt)
         return attempt
 
-    return tried, attempts.make(one, settings.derive(one), run)
+    return run
+
+
+def made(one: case.Case, *script: dict[str, Any]) -> tuple[list[Tried], Any]:
+    """Make attempts that end by a script; return their settings and what they came to."""
+    chosen: list[tuple[float, settings.Settings]] = []
+    outcome = attempts.make(one, settings.derive(one), scripted(script, chosen))
+    return [(pace, now.stiffening, now.damping_ratio, now.swing_damping) for pace, now in chosen], outcome
+
+
+def speeds(one: case.Case, *script: dict[str, Any]) -> list[tuple[float, float, float]]:
+    """Make attempts that end by a script; return their speeds over the run's, their damping ratios and the dampings of their swing."""
+    chosen: list[tuple[float, settings.Settings]] = []
+    derived = settings.derive(one)
+    attempts.make(one, derived, scripted(script, chosen))
+    return [(now.speed / derived.speed, now.damping_ratio, now.swing_damping) for _, now in chosen]
 
 
 QUICK, OWN, SLOW = (2.0, 4.0, 0.3, 0.0), (1.0, 4.0, 0.3, 0.0), (0.25, 4.0, 0.3, 0.0)
@@ -115,6 +139,87 @@ def test_a_slender_structure_gets_time_in_place_of_a_damper(wall: case.Case) -> 
     slender = replace(wall, sway=100.0 * wall.sag)
     assert made(slender, STICKING)[0] == [QUICK, OWN, SLOW]
     assert made(slender, RATTLING, {})[0] == [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]
+
+
+START = [(2.0, 0.3, 0.0), (2.0, 0.3, 0.5), (2.0, 1.0, 0.5)]  # speed over the run's, damping ratio, damping of the swing
+SLOW_ONES, LAST = [(0.5, 0.3, 0.5), (0.25, 0.3, 0.5)], (1.0, 1.0, 0.5)
+JUMPS = [JUMPING, JUMPING, JUMPING]
+
+
+@pytest.mark.parametrize(
+    ("blocks", "script", "expected"),
+    [
+        (13, [*JUMPS, {}], [*START, *SLOW_ONES]),
+        (13, [*JUMPS, JUMPING, {}], [*START, *SLOW_ONES]),  # at half of that speed it does not jump
+        (13, [*JUMPS, {}, JUMPING, {}], [*START, *SLOW_ONES, LAST]),
+        (13, [*JUMPS, STICKING, CREEPING, {}], [*START, *SLOW_ONES, LAST]),
+        (13, [JUMPING, JUMPING, {}, {"jump": 0.6}], [*START, LAST]),  # that at the run's own speed is the last one
+        (13, [JUMPING, JUMPING, RATTLING, {}], [*START, LAST]),  # no single jump
+        (14, [*JUMPS, {}], [*START, LAST]),  # few blocks
+    ],
+)
+def test_where_one_of_many_blocks_jumps_in_spite_of_all_damping_slow_attempts_follow(
+    wall: case.Case, blocks: int, script: list[dict[str, Any]], expected: list[tuple[float, ...]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """blocks: free blocks that count as many."""
+    monkeypatch.setattr(faults, "MANY", blocks)
+    assert len(wall.free) == 13
+    assert speeds(wall, *script) == [pytest.approx(one) for one in expected]
+
+
+@pytest.mark.parametrize(
+    ("damping", "pace", "jump", "expected"),
+    [
+        (1.0, 2.0, 0.6, True),
+        (1.0, 2.0, 0.4, False),
+        (1.0, 1.0, 0.6, False),  # that at the run's own speed goes on to its plateau
+        (0.3, 1.0, 0.6, True),  # more damping may follow
+    ],
+)
+def test_an_attempt_ends_at_a_jump_only_where_a_calmer_one_follows(
+    wall: case.Case, damping: float, pace: float, jump: float, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(faults, "MANY", 1)
+    chosen = replace(settings.derive(wall), damping_ratio=damping, swing_damping=0.5)
+    attempt = SimpleNamespace(case=wall, settings=chosen, record=ended(jump=jump).record, pace=pace)
+    attempt.may_damp = protocol.Protocol.may_damp.fget(attempt)
+    assert protocol.Protocol._is_restless.fget(attempt) is expected
+
+
+@pytest.mark.parametrize("given", [{"speed": 1e-5}, {"swing_damping": 0.0}, {"damping_ratio": 1.0}, {"quick_speed": 0.0}])
+def test_no_attempt_is_slow_without_the_damper_or_where_the_scene_sets_speed_or_damping(
+    wall: case.Case, given: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(faults, "MANY", 1)
+    assert min(speeds(replace(wall, overrides=given), {"jump": 0.6}))[0] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.14, SLOW_ONES), (0.15, [LAST])])
+def test_slow_attempts_are_made_where_four_times_the_steps_of_the_critical_one_are_affordable(
+    wall: case.Case, share: float, expected: list[tuple[float, ...]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the three before they take seven times as many steps as one of them. share: of the most time steps, which an attempt takes."""
+    monkeypatch.setattr(faults, "MANY", 1)
+    steps = {"steps": int(share * settings.most_steps(len(wall.host)))}
+    assert speeds(wall, *(JUMPING | steps for _ in range(3)), steps)[3:] == [pytest.approx(one) for one in expected]
+
+
+def test_a_slow_attempt_that_took_long_is_the_last_one(wall: case.Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twice its steps are not affordable."""
+    monkeypatch.setattr(faults, "MANY", 1)
+    long = {"steps": int(0.4 * settings.most_steps(len(wall.host)))}
+    assert speeds(wall, *JUMPS, long) == [pytest.approx(one) for one in [*START, SLOW_ONES[0]]]
+    assert speeds(wall, *JUMPS, JUMPING | long, {}) == [pytest.approx(one) for one in [*START, SLOW_ONES[0], LAST]]
+
+
+def test_a_slow_attempt_without_a_jump_has_the_part_of_the_speed(wall: case.Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The difference of attempts at a half and a quarter of the speed, over the root of their ratio less 1, with the noise of the first."""
+    monkeypatch.setattr(faults, "MANY", 1)
+    _, outcome = made(wall, *JUMPS, {"reaction": 103.0}, {"reaction": 101.0})
+    assert outcome.outcome.reaction == 101.0
+    assert outcome.outcome.rate == pytest.approx(math.hypot(2.0 / (math.sqrt(2.0) - 1.0), SCATTER))
+    _, outcome = made(wall, *JUMPS, JUMPING, {"reaction": 101.0})
+    assert math.isnan(outcome.outcome.rate), "no plateau at a higher speed"
 
 
 def test_the_part_of_the_speed_is_that_of_a_reaction_that_follows_its_root(wall: case.Case) -> None:
