@@ -73,7 +73,8 @@ RANDOM = """\
 Random irregular structures of 60 to 200 blocks, of the kinds of the [random verdicts](verdicts.md) and two to three times their length and
 courses. Program and seed were fixed before the first run. They ran with one thread, beside another run of YADE on the same two cores.
 Random 2 and 10, whose runs count as large, ran again and alone with later settings; random 10 was among the walls on which these
-settings were tried."""
+settings were tried. Random 4 and 12 ran again, beside each other and a test run, once slow attempts were made; random 12 is one of the
+walls that led to these."""
 
 
 def wall_tables(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> dict[str, Any]:
