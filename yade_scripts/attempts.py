@@ -185,7 +185,7 @@ def _after_slow(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
 def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
     """Return the attempt after one that rattles: with its swing damped, with critical dashpots, or slow; None where none may be made.
 
-    It is a quick one again: what speed does is known only from two attempts with the same damping.
+    It is a quick one again, of two slow ones the quicker: what speed does is known only from two attempts with the same damping.
     """
     if plan.own < 1.0:
         return _after_slow(attempt, plan, steps)

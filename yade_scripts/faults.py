@@ -12,7 +12,7 @@ from yade_scripts.case import Case
 from yade_scripts.recorder import Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings, rattling_of
 
-MANY = 100  # free blocks: of so many one may jump even under critical dashpots, where slow motion would hold it
+MANY = 100  # free blocks: among so many, slow motion prevents a jump better than critical dashpots do
 
 
 def settlement_words(case: Case, settlement: float, start: float | None = None) -> str:

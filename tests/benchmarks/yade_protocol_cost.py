@@ -53,11 +53,13 @@ class Watched(protocol.Protocol):
 
 
 def driven(one: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
-    """A run by the protocol, progress and all, and its seconds without those of building the model. pace: its speed over the run's."""
+    """A run by the protocol, progress and all, and its seconds without those of building the model. pace: its speed over that of the
+    attempt that counts.
+    """
     model = bodies.build(one, chosen, "watch()", calm="calm()")
     reporter = run_case.Reporter(stream)
     reporter.attempt(expected_steps(one, chosen, pace), chosen.time_limit)
-    run = Watched(one, chosen, model, recorder.Record(one, model), reporter.progress, near)
+    run = Watched(one, chosen, model, recorder.Record(one, model), reporter.progress, near, pace)
     sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
     run.run()
