@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.faces import near_parts, opposite_faces
-from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, overlaps, touching
+from la_core.geometry.interfaces import gaps, overlaps
 from la_core.geometry.polygons import group_members, next_corners, owners
+from la_core.geometry.touching import touching_faces
 
 SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and a block this close to its place reaches it
 
@@ -37,10 +37,8 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     Where courses cross, as in a stack bond, blocks across from each other touch so, too: joints lead from one to the other by the blocks
     beside them, and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
     """
-    parts, owner = blocks.parts, blocks.part_block
-    size, pairs = near_parts(blocks, TOUCH)
-    tolerance = TOUCH * size[pairs].min(axis=1)
-    joined = _joined(blocks, pairs, tolerance, size)
+    parts, owner, found = blocks.parts, blocks.part_block, touching_faces(blocks)
+    pairs, tolerance, joined = found.near, found.tolerance, _both_ways(owner[found.parts])
     is_free = blocks.free[owner[pairs]].any(axis=1)
     alone = is_free & ~_are_among(owner[pairs], joined)
     pairs, tolerance = pairs[alone], tolerance[alone]
@@ -57,13 +55,9 @@ def edge_contacts(blocks: Blocks) -> EdgeContacts:
     return EdgeContacts(both, place[alone][first], length[alone][first])
 
 
-def _joined(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Sorted pairs (J, 2) of blocks that touch by faces, each in both orders; held blocks, too, although they have no joint."""
-    parts = blocks.parts
-    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
-    overlap, _, _ = touching(parts, pair, face_a, face_b, tolerance)
-    found = blocks.part_block[pairs[pair[overlap]]]
-    return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
+def _both_ways(pairs: np.ndarray) -> np.ndarray:
+    """Sorted pairs (J, 2), each in both orders."""
+    return np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
 
 
 def _overlap(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> np.ndarray:

@@ -14,15 +14,13 @@ import shapely
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks, Held
-from la_core.geometry.faces import face_overlaps, near_parts, opposite_faces
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
+from la_core.geometry.touching import OPPOSITE, TOUCH, touching_faces  # noqa: F401  TOUCH may be imported from here, as before
 
-TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 CLOSED_BY = "[geometry] tolerance closes gaps of up to twice the tolerance, and `joints` of a [[drawing]] its mortar"
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
 NO_GAP = 1e-9  # m
 MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and of which it says how deep they are
-OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,25 +66,16 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
 
     Raises SceneError, with the blocks' names, for blocks that overlap and for blocks that touch no other block.
     """
-    parts, owner = blocks.parts, blocks.part_block
-    size, pairs = near_parts(blocks, TOUCH)
-    tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
-    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
-    overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)
-    untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # parts on either side of a joint do not overlap
-    _refuse_overlaps(parts, pairs[untouched], tolerance[untouched])
-    _refuse_floating(blocks, owner[pairs[pair[overlap]]])
-    keep = parts.free[pairs[pair[overlap]]].any(axis=1)
-    renumber = np.cumsum(keep) - 1
-    held = ~keep[ring]
-    corners, ring = corners[~held], renumber[ring[~held]]
-    overlap = overlap[keep]
-    counts = np.bincount(ring, minlength=len(overlap))
-    start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(corners, start, parts.face_normal[face_a[overlap]])
-    a, b = owner[pairs[pair[overlap]]].T
-    found = Interfaces(a, b, parts.face_normal[face_a[overlap]], area, corners, start)
-    return found if parts is blocks else _joined_over_parts(found, tolerance[pair[overlap]])
+    parts, found = blocks.parts, touching_faces(blocks)
+    untouched = np.setdiff1d(np.arange(len(found.near)), found.pair)  # parts on either side of a joint do not overlap
+    _refuse_overlaps(parts, found.near[untouched], found.tolerance[untouched])
+    owner = blocks.part_block[found.parts]
+    _refuse_floating(blocks, owner)
+    normal = parts.face_normal[found.face_a]
+    area = polygon_areas(found.corners, found.start, normal)
+    keep = blocks.free[owner].any(axis=1)
+    interfaces = Interfaces(owner[:, 0], owner[:, 1], normal, area, found.corners, found.start).subset(keep)
+    return interfaces if parts is blocks else _joined_over_parts(interfaces, found.tolerance[found.pair[keep]])
 
 
 def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
@@ -210,16 +199,6 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
     apart = np.full(len(pairs), -np.inf)
     np.maximum.at(apart, pair, nearest)
     return apart
-
-
-def touching(
-    blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Indices of the face pairs that touch, the corners (Q, 3) of their overlaps, and the overlap of each corner (Q,)."""
-    kept, corners, owner, gap = face_overlaps(blocks, face_a, face_b, tolerance[pair])
-    close = gap <= tolerance[pair[kept]]
-    touches = close[owner]
-    return kept[close], corners[touches], (np.cumsum(close) - 1)[owner[touches]]
 
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:

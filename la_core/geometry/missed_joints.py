@@ -6,8 +6,8 @@ import numpy as np
 
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.faces import face_corners, face_overlaps, near_parts, opposite_faces
-from la_core.geometry.interfaces import OPPOSITE, TOUCH, touching
 from la_core.geometry.polygons import polygon_areas
+from la_core.geometry.touching import TOUCH, touching_faces
 
 ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
 ANGLE = 3e-3  # rad: between faces with such a gap at one end
@@ -50,13 +50,8 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
 
 def joint_areas(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
     """The two blocks (J, 2) of every joint between convex parts of different blocks, and its area (J,), m2; blocks may overlap."""
-    parts, owner = blocks.parts, blocks.part_block
-    size, pairs = near_parts(blocks, TOUCH)
-    tolerance = TOUCH * size[pairs].min(axis=1)
-    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
-    overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)
-    start = np.concatenate([[0], np.cumsum(np.bincount(ring, minlength=len(overlap)))])
-    return owner[pairs[pair[overlap]]], polygon_areas(corners, start, parts.face_normal[face_a[overlap]])
+    found = touching_faces(blocks)
+    return blocks.part_block[found.parts], polygon_areas(found.corners, found.start, blocks.parts.face_normal[found.face_a])
 
 
 def _largest_distance(blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> np.ndarray:

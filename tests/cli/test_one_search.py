@@ -7,6 +7,7 @@ import pytest
 
 import comparison
 from comparison.cli.commands import main
+from la_core.geometry import touching
 from la_core.model import assembly
 
 SCENES = ("two_pads", "wall_third")  # whose prediction is the bound, and whose joints slide
@@ -52,3 +53,13 @@ def test_a_run_searches_interfaces_once_whether_fresh_or_cached(
 def test_a_run_of_several_scenes_searches_each_once(tmp_path: Path, searches: list[int]) -> None:
     assert main(["run", *SCENES, "--no-yade", "-q", "-o", str(tmp_path)]) == 0
     assert len(searches) == len(SCENES)
+
+
+def test_the_checks_of_a_scene_and_its_model_share_the_search_for_touching_faces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain_figures: None
+) -> None:
+    searched: list[int] = []
+    search = touching._found
+    monkeypatch.setattr(touching, "_found", lambda blocks: searched.append(len(blocks)) or search(blocks))
+    by_command("wall_third", tmp_path)
+    assert len(searched) == 1
