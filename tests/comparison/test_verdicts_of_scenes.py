@@ -16,6 +16,7 @@ from comparison.judge.checks.answer import check_answer, check_expected
 from comparison.judge.checks.run_checks import check_run
 from comparison.verdict.check import Check, Verdict, overall
 from comparison.workflow import one_scene
+from comparison.workflow.harder import finer_settings
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -56,13 +57,21 @@ def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysi
         ({"yade.speed": 1.0}, "The scene's [yade] table sets speed: leave it out first"),
         ({"yade.speed": 1.0, "yade.fall_speed": 1.0}, "sets speed, fall_speed: leave them out first"),
         ({"yade.threads": 2, "yade.wedging": 1e-6}, "Let YADE go"),
-        ({"yade.speed": 1.0, "effort": "high"}, "Let YADE go"),
+        ({"yade.speed": 1.0, "yade.stiffening": 16.0, "effort": "high"}, "sets speed: leave it out first"),
     ],
 )
 def test_settings_of_the_scene_are_left_out_first_where_yade_did_not_settle(changes: dict[str, Any], words: str) -> None:
     analysis = analyse(la_core.variant("two_pads", changes))
     (check,) = (one for one in check_run(Results(analysis, perfect_run(analysis, status="no plateau"))) if one.name == "plateau")
     assert words in check.next_step and next_steps.LONGER in check.next_step
+
+
+@pytest.mark.parametrize("run", [{"stiffening": 4.0}, {"stiffening": 4.0, "swing_damping": 0.5}])
+def test_settings_of_a_second_attempt_are_not_for_the_user_to_leave_out(run: dict[str, float]) -> None:
+    scene = la_core.load("two_pads")
+    analysis = analyse(la_core.variant(scene, finer_settings(scene, run)))
+    (check,) = (one for one in check_run(Results(analysis, perfect_run(analysis, status="no plateau"))) if one.name == "plateau")
+    assert check.next_step == next_steps.LONGER
 
 
 def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:

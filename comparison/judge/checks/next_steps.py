@@ -60,15 +60,17 @@ OWN_SETTINGS = "The scene's [yade] table sets {names}: leave {them} out first, s
 OF_THE_RUN = (SLOWER_RUN, MORE_TIME, GIVE_THRUST, LONGER)  # steps for a run that did not come to a steady state in balance
 # Settings without which the structure falls, that do not change the motion, or whose effect the message itself tells.
 NEEDED = ("wedging", "time_limit", "threads", "plateau_uncertainty", "stop_uncertainty")
+OF_SECOND_ATTEMPT = ("damping_ratio", "stiffening", "swing_damping", "travel_periods")  # settings that a second attempt adds to the scene
 
 
 def own_settings_first(check: Check, scene: Scene) -> Check:
     """Return an inconclusive check with the advice to leave out the settings of the scene, where they may be why YADE did not settle.
 
-    After a second attempt with finer settings the scene holds settings of that attempt, so nothing is advised.
+    The scene of a second attempt also holds settings of that attempt, which are not named.
     """
-    names = [name for name in scene.yade if name not in NEEDED]
-    if check.verdict is not Verdict.INCONCLUSIVE or check.next_step not in OF_THE_RUN or not names or scene.effort == "high":
+    kept = NEEDED + OF_SECOND_ATTEMPT if scene.effort == "high" else NEEDED
+    names = [name for name in scene.yade if name not in kept]
+    if check.verdict is not Verdict.INCONCLUSIVE or check.next_step not in OF_THE_RUN or not names:
         return check
     lead = OWN_SETTINGS.format(names=", ".join(names), them="it" if len(names) == 1 else "them")
     return replace(check, next_step=f"{lead} {check.next_step}")
