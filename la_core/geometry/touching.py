@@ -5,21 +5,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from la_core.geometry.blocks import Blocks
+from la_core.geometry.blocks import Blocks, Held
 from la_core.geometry.faces import face_overlaps, near_parts, opposite_faces
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
-@dataclass(frozen=True, eq=False)
-class TouchingFaces:
-    """The T pairs of touching faces of a structure. All faces are those of convex parts, and so are the indices of `near`.
+@dataclass(frozen=True, eq=False, repr=False)
+class TouchingFaces(Held):
+    """The T pairs of touching faces of a structure; parts and faces have the indices of `Blocks.parts`.
 
     Attributes
     ----------
     near : (N, 2) array of int
-        Parts of different blocks whose bounding boxes touch.
+        Parts of different blocks whose bounding boxes touch, within TOUCH of each block's size.
     tolerance : (N,) array
         Distance within which faces of a near pair touch, m.
     pair : (T,) array of int

@@ -26,17 +26,16 @@ sizes.
 
 Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
 matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
-bound; *Coulomb* is a bound and the prediction; *all of* one of them is the whole
-analysis of the program, with the inset and with sharp edges.
+bound; *Coulomb* is a bound and the prediction; *all of* one of them is the whole analysis of the program, with the inset and with sharp
+edges.
 
 Walls in space have a mirror along their middle: from 167 blocks on their bounds are solved with one half of the unknowns.
 
 Predictions of more than 2,500 unknowns, 833 plane blocks or 417 in space, follow a third path where the smoothing of two leaves more than
-1 % ([large structures](large.md)). Their seconds are the processor time of all paths. The
-largest, of 1,010 plane blocks and 497 in space, ran beside another program, which slowed them."""
+1 % ([large structures](large.md)). Their seconds are the processor time of all paths."""
 BESIDE = """\
-The earlier version ran its own benchmark on a machine of this class. Exponents are those of the sizes of both. Its prediction
-may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
+The earlier version ran its own benchmark on the same machine, within the same hour. Exponents are those of the sizes of both. Its
+prediction may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
 
 
 @dataclass(frozen=True)
