@@ -85,8 +85,6 @@ def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
     settings = {"effort": "high", "yade.damping_ratio": max(DAMPED, float(scene.yade.get("damping_ratio", 0.0)))}
     names = [name for name in STIFFNESSES if name in scene.yade] or ["stiffening"]
     settings |= {f"yade.{name}": STIFFER * run[name] for name in names if name in run}
-    if run.get("swing_damping"):  # blocks that needed it need it at once: an attempt without it would be made in vain
-        settings["yade.swing_damping"] = run["swing_damping"]
     if "speed" in scene.yade:
         return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
     return settings | {"yade.travel_periods": SLOWER * float(scene.yade.get("travel_periods", TRAVEL_PERIODS))}

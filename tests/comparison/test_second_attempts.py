@@ -129,13 +129,6 @@ def test_stiffnesses_of_the_scene_become_stiffer_each() -> None:
     assert (finer["yade.normal_stiffness"], finer["yade.shear_stiffness"]) == (8e6, 4e6) and "yade.stiffening" not in finer
 
 
-@pytest.mark.parametrize(("own", "first", "second"), [({}, 0.0, None), ({}, 0.5, 0.5), ({"yade.swing_damping": 0.3}, 0.3, 0.3)])
-def test_a_swing_that_was_damped_is_damped_at_once(own: dict[str, float], first: float, second: float | None) -> None:
-    scene = la_core.variant(la_core.load("wall_third"), own)
-    finer = harder.finer_settings(scene, {"stiffening": 1.0, "swing_damping": first})
-    assert la_core.variant(scene, finer).yade.get("swing_damping") == second
-
-
 def test_it_keeps_the_multiplier_of_a_live_load_too(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
     content = first("inconclusive")
     content["limit_analysis"]["coulomb"] = {"multiplier": 0.4, "shared_inset": {"multiplier": 0.3, "uncertainty": 0.01}, "seconds": 1.0}

@@ -60,7 +60,7 @@ OWN_SETTINGS = "The scene's [yade] table sets {names}: leave {them} out first, s
 OF_THE_RUN = (SLOWER_RUN, MORE_TIME, GIVE_THRUST, LONGER)  # steps for a run that did not come to a steady state in balance
 # Settings without which the structure falls, that do not change the motion, or whose effect the message itself tells.
 NEEDED = ("wedging", "time_limit", "threads", "plateau_uncertainty", "stop_uncertainty")
-OF_SECOND_ATTEMPT = ("damping_ratio", "stiffening", "swing_damping", "travel_periods")  # settings that a second attempt adds to the scene
+OF_SECOND_ATTEMPT = ("damping_ratio", "stiffening", "travel_periods")  # settings that a second attempt adds to the scene
 
 
 def own_settings_first(check: Check, scene: Scene) -> Check:
