@@ -15,7 +15,7 @@ import shapely
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks, Held
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
-from la_core.geometry.touching import OPPOSITE, TOUCH, touching_faces  # noqa: F401  TOUCH may be imported from here, as before
+from la_core.geometry.touching import OPPOSITE, TOUCH, touching_faces  # noqa: F401  TOUCH is read from here, too
 
 CLOSED_BY = "[geometry] tolerance closes gaps of up to twice the tolerance, and `joints` of a [[drawing]] its mortar"
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates

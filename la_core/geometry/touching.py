@@ -57,11 +57,11 @@ _FOUND: WeakKeyDictionary[Blocks, TouchingFaces] = WeakKeyDictionary()  # the ch
 def touching_faces(blocks: Blocks) -> TouchingFaces:
     """Return the faces of different blocks that touch; blocks may overlap. The search is made once for each object."""
     if blocks not in _FOUND:
-        _FOUND[blocks] = _found(blocks)
+        _FOUND[blocks] = _search(blocks)
     return _FOUND[blocks]
 
 
-def _found(blocks: Blocks) -> TouchingFaces:
+def _search(blocks: Blocks) -> TouchingFaces:
     parts = blocks.parts
     size, near = near_parts(blocks, TOUCH)
     tolerance = TOUCH * size[near].min(axis=1)

@@ -263,7 +263,12 @@ def main() -> None:
     names = list(dict.fromkeys([method for method, _ in SIZES] + ["driver"]))
     parser.add_argument("--methods", nargs="+", choices=names, default=names, metavar="NAME", help=f"of {', '.join(names)}")
     parser.add_argument("--resume", action="store_true", help="measure only what growth.json lacks")
-    parser.add_argument("--before", nargs=2, metavar=("RECORD", "VERSION"), help="growth.json of an earlier version, and its name")
+    parser.add_argument(
+        "--before",
+        nargs=2,
+        metavar=("RECORD", "VERSION"),
+        help="growth.json of an earlier version, made on this machine within the hour, and its name",
+    )
     options = parser.parse_args()
     earlier = stored(options.output)
     record = {"machine": this_machine(), "measured": earlier.get("measured", []) if options.resume else []}

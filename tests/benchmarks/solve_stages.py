@@ -44,6 +44,7 @@ def main() -> int:
     from la_core.coulomb import certificate, followed_path
     from la_core.coulomb.path import quasi_static_path
     from la_core.coulomb.path import rest as path_to_rest
+    from la_core.geometry import touching
     from la_core.limit import associated, conic
     from la_core.model import assembly
 
@@ -52,6 +53,7 @@ def main() -> int:
     spent: Counter = Counter(inside=0.0, loading=time.process_time())
     for owner, attribute, name in (
         (solve, "load_scene", "reading"),
+        (touching, "_search", "contacts"),
         (assembly, "find_interfaces", "contacts"),
         (solve, "structural_model", "model"),
         (stage, "structural_model", "model"),

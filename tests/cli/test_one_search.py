@@ -59,7 +59,7 @@ def test_the_checks_of_a_scene_and_its_model_share_the_search_for_touching_faces
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plain_figures: None
 ) -> None:
     searched: list[int] = []
-    search = touching._found
-    monkeypatch.setattr(touching, "_found", lambda blocks: searched.append(len(blocks)) or search(blocks))
+    search = touching._search
+    monkeypatch.setattr(touching, "_search", lambda blocks: searched.append(len(blocks)) or search(blocks))
     by_command("wall_third", tmp_path)
     assert len(searched) == 1

@@ -66,7 +66,7 @@ OF_SECOND_ATTEMPT = ("damping_ratio", "stiffening", "travel_periods")  # setting
 def own_settings_first(check: Check, scene: Scene) -> Check:
     """Return an inconclusive check with the advice to leave out the settings of the scene, where they may be why YADE did not settle.
 
-    The scene of a second attempt also holds settings of that attempt, which are not named.
+    The scene of a second attempt, whose effort is high, also holds settings of that attempt, which are not named.
     """
     kept = NEEDED + OF_SECOND_ATTEMPT if scene.effort == "high" else NEEDED
     names = [name for name in scene.yade if name not in kept]
