@@ -10,12 +10,14 @@ import tomllib
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 import la_core
-from la_core import SceneError
+from la_core import SceneError, exchange
+from la_core.analysis import analyse
 from la_core.analysis.case_file import scene_digest
 from la_core.scene import key_paths, shipped
 from la_core.scene.loads.point_forces import PointForces
@@ -173,6 +175,40 @@ def test_a_variant_keeps_what_its_changes_leave_true() -> None:
     assert (equal.expected, equal.source) == (pads.expected, pads.source)
     assert pads.friction == 0.6
     assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
+
+
+@pytest.mark.parametrize("name", exchange.SETTINGS)
+def test_a_setting_of_yade_that_limit_analysis_reads_too_leaves_no_expected_value(name: str) -> None:
+    pads = la_core.load("two_pads")
+    changed = la_core.variant(pads, {f"yade.{name}": 1 if name in ("record_rows", "poses", "threads") else 1e-6})
+    has_other_answer = "also changes limit analysis" in exchange.SETTING_MEANINGS[name]
+    assert has_other_answer == (name in exchange.SHARED_SETTINGS)
+    assert (changed.expected, changed.source) == ((None, "") if has_other_answer else (pads.expected, pads.source))
+
+
+def test_limit_analysis_reads_no_other_settings_of_yade() -> None:
+    """A setting that it reads, but that is not among those above, would leave an expected value that is none."""
+
+    class Heard(dict[str, float]):
+        names: ClassVar[set[str]] = set()
+
+        def get(self, name: str, default: Any = None) -> Any:
+            self.names.add(name)
+            return super().get(name, default)
+
+        def __contains__(self, name: object) -> bool:
+            self.names.add(str(name))
+            return super().__contains__(name)
+
+    arch = la_core.variant("flat_arch", {})
+    object.__setattr__(arch, "yade", Heard(arch.yade))
+    analyse(arch)
+    assert Heard.names == {*exchange.SHARED_SETTINGS, "poses"}  # the number of stored states says what YADE records
+
+
+def test_a_structure_that_is_no_longer_wedged_has_another_answer() -> None:
+    assert la_core.load("flat_arch").expected is not None
+    assert la_core.variant("flat_arch", {"yade.wedging": None}).expected is None
 
 
 def test_a_variant_is_named_and_titled_by_its_changes() -> None:

@@ -42,20 +42,20 @@ RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 class Settings:
     """All settings of a run, as used and stored. Lengths of the support's motion are m, or rad for a rotation."""
 
-    normal_stiffness: float  # N/m, of one contact point, along the joint's normal
-    shear_stiffness: float  # N/m, of one contact point, across the joint's normal
+    normal_stiffness: float  # N/m, of one contact point, along the joint's normal; also changes limit analysis
+    shear_stiffness: float  # N/m, of one contact point, across the joint's normal; also changes limit analysis
     damping_ratio: float  # share of the critical damping of a block on four contacts
     normal_damping: float  # N s/m, viscosity of one contact point along the normal
     shear_damping: float  # N s/m, viscosity of one contact point across the normal
     time_step_share: float  # time step over the largest stable one
     time_step: float  # s, time step while the structure comes to rest
     settling_step: float  # s, time step after rest: there is no local damping, and a longer step is stable
-    sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
-    max_travel: float  # m or rad, largest motion of the support; under a live load, of the fastest block
+    sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset; also changes limit analysis
+    max_travel: float  # m or rad, largest motion of the support; under a live load, of the fastest block; also changes limit analysis
     travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
     speed: float  # m/s or rad/s, speed of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
-    wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
+    wedging: float  # m or rad, motion of the support against its settlement before gravity acts, for a thrust; also changes limit analysis
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
     gravity_ramp: float  # s, duration of the cosine ramp of weights and dead loads
     gravity_time: float  # s, longest time to come to rest

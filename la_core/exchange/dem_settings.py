@@ -18,20 +18,20 @@ TRAVEL_OVER_INSET = 0.8  # of the support's fastest point, at most: a contact sp
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
 # Settings of a YADE run that a case file may contain in `scene/settings`, and their meaning, which `yade_scripts.settings` says, too.
 SETTING_MEANINGS = {
-    "normal_stiffness": "of one contact point, along the joint's normal",
-    "shear_stiffness": "of one contact point, across the joint's normal",
+    "normal_stiffness": "of one contact point, along the joint's normal; also changes limit analysis",
+    "shear_stiffness": "of one contact point, across the joint's normal; also changes limit analysis",
     "damping_ratio": "share of the critical damping of a block on four contacts",
     "normal_damping": "viscosity of one contact point along the normal",
     "shear_damping": "viscosity of one contact point across the normal",
     "time_step_share": "time step over the largest stable one",
     "time_step": "time step while the structure comes to rest",
     "settling_step": "time step after rest: there is no local damping, and a longer step is stable",
-    "sphere_radius": "radius of the sphere at a contact point, less than the inset",
-    "max_travel": "largest motion of the support; under a live load, of the fastest block",
+    "sphere_radius": "radius of the sphere at a contact point, less than the inset; also changes limit analysis",
+    "max_travel": "largest motion of the support; under a live load, of the fastest block; also changes limit analysis",
     "travel_periods": "duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway",
     "speed": "speed of the support",
     "ramp_time": "duration of the cosine ramp to full speed",
-    "wedging": "motion of the support against its settlement before gravity acts; gives a flat arch its thrust",
+    "wedging": "motion of the support against its settlement before gravity acts, for a thrust; also changes limit analysis",
     "gravity_damping": "coefficient of YADE's local damping while the structure comes to rest",
     "gravity_ramp": "duration of the cosine ramp of weights and dead loads",
     "gravity_time": "longest time to come to rest",
@@ -59,6 +59,8 @@ SETTING_MEANINGS = {
     "swing_damping": "damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none",
 }
 SETTINGS = tuple(SETTING_MEANINGS)
+STIFFNESS_SETTINGS = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")  # the stiffness of the joints rests on them
+SHARED_SETTINGS = (*STIFFNESS_SETTINGS, "wedging")  # those that limit analysis reads, too; all others change YADE alone
 # Their units, of those that have one; a support moves in m, or turns in rad.
 SETTING_UNITS = {
     **dict.fromkeys(("normal_stiffness", "shear_stiffness"), "N/m"),

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import cg
 
 from la_core.errors import SceneError
-from la_core.exchange import RADIUS_OVER_INSET, TRAVEL_OVER_INSET, broken_rule
+from la_core.exchange import RADIUS_OVER_INSET, STIFFNESS_SETTINGS, TRAVEL_OVER_INSET, broken_rule
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 from la_core.model.mirrors import mirrored_across
 
@@ -23,8 +23,6 @@ ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass
 PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that penetrates deeper touches away from its contact point
 SOLVER_TOLERANCE = 1e-3  # of a scale, not of an answer
 SWAY_TOLERANCE = 0.1  # of the residual, which quick motions rule: the slow sway is then right to 1 %, in fewer iterations
-
-_ASKED = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ def joint_stiffness(assembly: Assembly, settings: Mapping[str, Any]) -> JointSti
     """
     inset = assembly.inset
     _refuse_impossible(settings, inset)
-    requested = {name: float(settings[name]) for name in _ASKED if name in settings}
+    requested = {name: float(settings[name]) for name in STIFFNESS_SETTINGS if name in settings}
     has_spheres = inset > 0.0
     speed = assembly.support_speed
     longest = TRAVEL_OVER_SIZE * _block_size(assembly)
@@ -89,7 +87,7 @@ def joint_stiffness(assembly: Assembly, settings: Mapping[str, Any]) -> JointSti
 
 
 def _refuse_impossible(settings: Mapping[str, Any], inset: float) -> None:
-    for name in _ASKED:
+    for name in STIFFNESS_SETTINGS:
         rule = _broken_rule(name, settings[name], inset) if name in settings else ""
         if rule:
             raise SceneError(f"yade.{name}", f"must be {rule}", value=settings[name])

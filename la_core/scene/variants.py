@@ -20,14 +20,15 @@ import pydantic
 import tomli_w
 
 from la_core.errors import SceneError, path_of
+from la_core.exchange import SHARED_SETTINGS
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import Expected, SceneFile
 from la_core.scene.shipped import load
 from la_core.scene.validation import as_scene_error
 
-# These may change without a new expected value.
-KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "yade", "expected")
+# These may change without a new expected value, and so may the settings in [yade] that limit analysis does not read.
+KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "expected")
 ASSOCIATED = ("associated_reaction_over_weight", "associated_multiplier")  # expected values that nearly every change makes wrong
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 DEEPEST = 20  # tables and arrays within each other: a scene needs eight
@@ -98,8 +99,9 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     Notes
     -----
     The title gets the changes appended, unless `changes` has a title. `source` and [expected] speak of the original scene: they are
-    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and [yade]. A change
-    that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
+    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and settings in [yade] that do not change
+    limit analysis. A change that names one expected value keeps the others, but those by the associated flow rule, which it has to name,
+    too.
 
     Examples
     --------
@@ -152,8 +154,8 @@ def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    Source and expected values speak of one structure: both are removed where the structure changes, unless `changes` names them. A change
-    that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
+    Source and expected values speak of one structure: both are removed where its answer by limit analysis may change, unless `changes`
+    names them. A change that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
 
     Parameters
     ----------
@@ -169,7 +171,7 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
     for key, value in changes.items():
         key_paths.put(tables, key, copy.deepcopy(value))
     whole = _whole(tables, where)
-    if not any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED):
+    if _deciding(before) == _deciding(whole):
         return whole
     if "source" not in changes and whole["source"]:
         del tables["source"]
@@ -186,6 +188,12 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
             tables["expected"].pop(name, None)
             whole["expected"][name] = None
     return whole
+
+
+def _deciding(whole: dict[str, Any]) -> dict[str, Any]:
+    """What the answer of limit analysis, and so source and expected values, rest on."""
+    shared = {name: value for name, value in whole["yade"].items() if name in SHARED_SETTINGS}
+    return {table: content for table, content in whole.items() if table not in KEEP_EXPECTED} | {"yade": shared}
 
 
 def _refuse_overwritten(keys: list[str]) -> None:
