@@ -99,7 +99,7 @@ class CampaignChanges(Tabled):
     ----------
     changes : list of dict
         One row a change: "case", "what" changed, its value "before" and "after", their "difference" and the difference "allowed" by
-        the stated uncertainties; reactions in N or N m, None where undefined.
+        the stated uncertainties; weights and reactions in N or N m, None where undefined.
     only_before : list of str
         Cases that only the first campaign has.
     only_after : list of str
@@ -214,7 +214,9 @@ def read_campaign(folder: Path | str) -> CampaignResult:
 
 
 def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | str) -> CampaignChanges:
-    """Compare two campaigns, before and after a change, as `crosscheck compare` does; cases are matched by the values of their keys.
+    """Compare two campaigns, before and after a change, as `crosscheck compare` does.
+
+    Cases are matched by the values of their keys; where the two campaigns vary different keys, by name.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ import pytest
 from made_up_campaigns import MU, Page, campaign, changed, every_shape
 
 from comparison.campaign.report.compare import Change, Comparison, compare_tables
-from comparison.campaign.report.compare_report import sentence, stored_comparison, terminal_tables
+from comparison.campaign.report.compare_report import change_words, sentence, stored_comparison, terminal_tables
 from comparison.campaign.table import CampaignTable, write_campaign
 from comparison.cli.commands import main
 
@@ -104,6 +104,63 @@ def test_a_value_that_comes_into_being_is_a_change(tmp_path: Path) -> None:
     before = campaign(tmp_path)
     found = compare_tables(changed(before, 0, greatest=None), before)
     assert words(found) == [(before.rows[0]["case"], "reaction", "greatest")] and found.changes[0].difference is None
+
+
+RELEASED = {"coulomb_released": 300.0, "coulomb_released_uncertainty": 2.0, "coulomb_uncertainty": 0.1}
+PEAK = {"unit": "", "coulomb_peak": 0.4, "coulomb_peak_uncertainty": 0.01, "coulomb_uncertainty": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("own", "name", "inside", "outside"),
+    [
+        (RELEASED, "coulomb_released", 303.9, 304.1),
+        (PEAK, "coulomb_peak", 0.419, 0.421),
+        ({"coulomb_low": 420.0, "coulomb_uncertainty": 1.0}, "coulomb_low", 421.9, 422.1),
+        ({"coulomb_high": 480.0, "coulomb_uncertainty": 1.0}, "coulomb_high", 478.1, 477.9),
+        ({"coulomb_high": 480.0}, "coulomb_high", 480.4, 481.0),  # no stated uncertainty: 0.1 %
+    ],
+)
+def test_every_answer_is_held_against_its_own_uncertainty(
+    own: dict[str, float], name: str, inside: float, outside: float, tmp_path: Path
+) -> None:
+    before = changed(campaign(tmp_path), 0, **own)
+    assert not compare_tables(before, changed(before, 0, **{name: inside})).changed
+    (change,) = compare_tables(before, changed(before, 0, **{name: outside})).changes
+    assert (change.case, change.kind, change.what) == (before.rows[0]["case"], "reaction", name)
+    (lost,) = compare_tables(before, changed(before, 0, **{name: None})).changes
+    assert lost.what == name and lost.difference is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "kind", "printed"),
+    [
+        ("weight", 1100.0, "weight", "1100 N"),
+        ("unit", "N m", "unit", "N m"),
+        ("free_blocks", 41, "count", "41"),
+        ("coulomb_plateaus", 2, "count", "2"),
+    ],
+)
+def test_another_structure_or_number_of_plateaus_is_a_change(name: str, value: object, kind: str, printed: str, tmp_path: Path) -> None:
+    before = campaign(tmp_path)
+    after = changed(before, 0, **{name: value})
+    found = compare_tables(before, after)
+    assert words(found) == [(before.rows[0]["case"], kind, name)]
+    assert change_words(found.changes[0])["after"] == printed
+
+
+def test_round_off_of_a_weight_is_none(tmp_path: Path) -> None:
+    before = campaign(tmp_path)
+    found = compare_tables(before, changed(before, 0, weight=before.rows[0]["weight"] * (1.0 + 1e-12)))
+    assert not found.changed and not found.within
+
+
+def test_a_column_that_an_earlier_version_did_not_have_is_no_change(tmp_path: Path) -> None:
+    later = ("coulomb_released", "coulomb_peak", "coulomb_plateaus")
+    after = campaign(tmp_path)
+    for place in range(len(after.rows)):
+        after = changed(after, place, coulomb_released=300.0, coulomb_peak=None, coulomb_plateaus=1)
+    before = replace(after, rows=[{name: value for name, value in row.items() if name not in later} for row in after.rows])
+    assert not compare_tables(before, after).changed and not compare_tables(after, before).changed
 
 
 def test_costs_and_versions_are_told_and_are_no_change(tmp_path: Path) -> None:

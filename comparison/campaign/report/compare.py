@@ -9,7 +9,7 @@ from typing import Any
 
 from comparison.campaign.cases import folder_name
 from comparison.campaign.report.verdict_matrix import verdict_symbol
-from comparison.campaign.row_values import Row, mechanism_name, runs_of, sweep_of
+from comparison.campaign.row_values import Row, mechanism_name, runs_of, sweep_of, uncertainty_of
 from comparison.campaign.table import CampaignTable
 from comparison.judge import UNCERTAIN
 from comparison.report import flat
@@ -20,7 +20,9 @@ SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, a
 UNSTATED = 1e-3  # of a prediction that states no uncertainty, by an older version: its error
 CONVERGED = 1e-3  # of the classic iteration's value
 STATUSES = ("associated_status", "coulomb_status", "yade_status", "classic_status")
-REACTIONS = ("least", "greatest", "coulomb", "coulomb_sharp", "yade", "classic")
+COUNTS = ("free_blocks", "coulomb_plateaus")
+OF_PREDICTION = ("coulomb", "coulomb_sharp", "coulomb_low", "coulomb_high")  # all with the uncertainty of the first
+REACTIONS = ("least", "greatest", *OF_PREDICTION, "coulomb_released", "coulomb_peak", "yade", "classic")
 SECONDS = {"limit_analysis_seconds": "limit analysis", "yade_seconds": "YADE"}
 EVERY_TIME = ("seconds", "ended")  # provenance that differs between any two runs and does not affect results
 
@@ -34,15 +36,16 @@ class Change:
     case : str
         Name of the case.
     kind : str
-        'verdict', 'status', 'mechanism' or 'reaction'.
+        'verdict', 'status', 'mechanism', 'unit', 'count', 'weight' or 'reaction'.
     what : str
         Name of the column, or the method of a mechanism.
     before, after : object
-        The two values: texts, or reactions (N; N m for a rotation) or multipliers; None where undefined.
+        The two values: texts, counts, weights (N), or reactions (N; N m for a rotation) or multipliers; None where undefined.
     allowed : float or None
-        Difference of reactions that the stated uncertainties of both campaigns explain; None for texts.
+        Difference of reactions that the stated uncertainties of both campaigns explain, or of weights by round-off; None for texts and
+        counts.
     unit : str
-        Unit of reactions; "" for a multiplier.
+        Unit of reactions and weights; "" for a multiplier.
     """
 
     case: str
@@ -60,7 +63,7 @@ class Change:
 
     @property
     def share(self) -> float:
-        """Difference over the allowed one; infinite for texts and for a value that only one campaign has."""
+        """Difference over the allowed one; infinite for texts, counts, and a value that only one campaign has."""
         if self.difference is None or self.allowed is None:
             return math.inf
         return abs(self.difference) / self.allowed if self.allowed > 0.0 else math.inf
@@ -148,7 +151,7 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
     after = _named_as(before, after)
     first, second = ({str(row["case"]): row for row in table.rows} for table in (before, after))
     both = [name for name in first if name in second]
-    moved = [change for name in both for change in _reactions(first[name], second[name])]
+    moved = [change for name in both for change in _values(first[name], second[name])]
     texts = [change for name in both for change in _text_changes(first[name], second[name])]
     substance = [*texts, *(change for change in moved if change.share > 1.0)]
     place = {name: k for k, name in enumerate(sorted(both))}
@@ -162,7 +165,10 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
         sorted(name for name in first if name not in second),
         sorted(name for name in second if name not in first),
         sorted(substance, key=lambda change: place[change.case]),
-        sorted((change for change in moved if change.share <= 1.0), key=lambda change: (-change.share, change.case, change.what)),
+        sorted(
+            (one for one in moved if one.share <= 1.0 and one.kind == "reaction"),
+            key=lambda change: (-change.share, change.case, change.what),
+        ),
         list(_costs(costs)),
         sorted(ratios, key=lambda ratio: (-abs(math.log(ratio[2])), ratio[:2])),
         (before.unfinished, after.unfinished),
@@ -199,44 +205,49 @@ def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
 
 
 def _text_changes(before: Row, after: Row) -> Iterator[Change]:
-    """Yield differing verdicts, statuses and mechanisms."""
+    """Yield differing verdicts, statuses, mechanisms, units and counts."""
     case = str(before["case"])
     pairs: list[tuple[str, str, Any, Any]] = [("verdict", "verdict", verdict_symbol(before)[1], verdict_symbol(after)[1])]
     pairs += [("status", name, before.get(name), after.get(name)) for name in STATUSES]
     pairs += [("mechanism", method, mechanism_name(before, method), mechanism_name(after, method)) for method in ANSWERS]
+    pairs += [("unit", "unit", before.get("unit"), after.get("unit"))]
+    pairs += [("count", name, before[name], after[name]) for name in COUNTS if name in before and name in after]
     for kind, what, first, second in pairs:
         if first != second:
             yield Change(case, kind, what, first, second)
 
 
-def _reactions(before: Row, after: Row) -> Iterator[Change]:
-    """Yield all differing reactions, each with the difference that is allowed between two correct answers."""
-    for name in REACTIONS:
+def _values(before: Row, after: Row) -> Iterator[Change]:
+    """Yield all differing reactions and weights, each with the difference that is allowed between two correct answers.
+
+    A table of an earlier version may lack a column, which is then no change.
+    """
+    units = {"weight": "N"} | dict.fromkeys(REACTIONS, str(before.get("unit") or ""))
+    for name, unit in units.items():
         first, second = (row.get(name) if exists(row.get(name)) else None for row in (before, after))
-        if first != second:
-            allowed = _allowed(name, before) + _allowed(name, after)
-            yield Change(str(before["case"]), "reaction", name, first, second, allowed, str(before.get("unit") or ""))
+        if first != second and name in before and name in after:
+            kind = name if name == "weight" else "reaction"
+            yield Change(str(before["case"]), kind, name, first, second, _allowed(name, before) + _allowed(name, after), unit)
 
 
 def _allowed(name: str, row: Row) -> float:
-    """Return the error that a reaction may have: the uncertainty that its method states, and the error of the solver.
+    """Return the error that a value may have: the uncertainty that its method states, and the error of the solver.
 
     A prediction that states none may move within the interval that the history of friction leaves open, at most by the
     uncertainty that a verdict allows.
     """
-    value, weight, uncertainty = (_or_zero(row.get(key)) for key in (name, "weight", "yade_uncertainty"))
+    value, weight = (_or_zero(row.get(key)) for key in (name, "weight"))
     solver = SOLVER * (weight if row.get("unit") else abs(value))
-    if name == "yade":
-        return solver + uncertainty
+    stated = row.get(uncertainty_of("coulomb" if name in OF_PREDICTION else name))
+    if exists(stated):
+        return solver + stated
     if name == "classic":
         return solver + CONVERGED * abs(value)
     if name in ("coulomb", "coulomb_sharp"):
-        if exists(row.get("coulomb_uncertainty")):
-            return solver + row["coulomb_uncertainty"]
         low, high = row.get("coulomb_low"), row.get("coulomb_high")
         open_width = (high - low) / 2.0 if exists(low) and exists(high) else 0.0
         return solver + max(UNSTATED * abs(value), min(open_width, UNCERTAIN * abs(value))) / 2.0
-    return solver
+    return solver + (UNSTATED * abs(value) / 2.0 if name.startswith("coulomb") else 0.0)
 
 
 def _or_zero(value: Any) -> float:

@@ -19,6 +19,14 @@ WHAT = {
     "greatest": "greatest, associated",
     "coulomb": "Coulomb prediction",
     "coulomb_sharp": "Coulomb prediction, sharp edges",
+    "coulomb_low": "mechanism's interval, least",
+    "coulomb_high": "mechanism's interval, greatest",
+    "coulomb_released": "Coulomb prediction after a release",
+    "coulomb_peak": "greatest multiplier on the way",
+    "coulomb_plateaus": "plateaus of the Coulomb prediction",
+    "free_blocks": "free blocks",
+    "weight": "weight",
+    "unit": "unit",
     "yade": "YADE's reaction",
     "classic": "classic iteration",
     "associated_status": "associated limit analysis ended",
@@ -109,7 +117,7 @@ def _changes_of_both(comparison: Comparison) -> list[Change]:
 
 def change_words(change: Change) -> dict[str, str]:
     """Return a change as words and short numbers."""
-    if change.kind == "reaction":
+    if change.kind in ("reaction", "weight"):
         unit = f" {change.unit}".rstrip()
         apart = f"{signed(change.difference, 3)}{unit}" if change.difference is not None else DASH
         values = [f"{format_number(value, 6)}{unit}" if value is not None else DASH for value in (change.before, change.after)]
