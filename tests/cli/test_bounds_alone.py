@@ -89,6 +89,14 @@ def test_bounds_alone_and_a_path_exclude_each_other(capsys: pytest.CaptureFixtur
     assert stop.value.code == USAGE and "not allowed with" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("nothing_predicted")
+def test_bounds_alone_and_an_accuracy_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "--bounds", "--accuracy", "0.1%"]) == USAGE
+    captured = capsys.readouterr()
+    assert "not allowed with argument --bounds" in captured.err and "leave out --bounds" in captured.err
+    assert captured.out == "" and captured.err.count("\n") == 1
+
+
 def test_bounds_alone_can_be_drawn(tmp_path: Path) -> None:
     assert main(["solve", "two_pads", "--bounds", "-q", "-o", str(tmp_path / "bounds.png")]) == AGREE
     assert (tmp_path / "bounds.png").read_bytes().startswith(b"\x89PNG")

@@ -22,6 +22,7 @@ from comparison.settings import load_settings
 from comparison.verdict import UNCONFIRMED, Check, Verdict
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
+from la_core.errors import SceneError
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene, shipped
 
@@ -50,6 +51,9 @@ def execute(context: Context) -> int:
     Raises SceneError.
     """
     options, narrator = context.options, context.narrator
+    if options.bounds and options.accuracy is not None:
+        rule = "not allowed with argument --bounds: bounds are solved once, at the scene's own inset"
+        raise SceneError("argument --accuracy", rule, hint="leave out --accuracy, or leave out --bounds for an answer of this accuracy")
     scene = load_scene(shipped.find(options.scene))
     if options.accuracy is not None:
         scene = with_accuracy(scene, options.accuracy)
