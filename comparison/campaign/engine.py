@@ -62,8 +62,8 @@ class Campaign:
     parquet : bool
         Whether the tables are also written as Parquet.
     time_limit : float or None
-        Wall time limit of each YADE run (s); None takes the scenes' own. It is no part of the inputs' digest, because a run that it
-        ended is repeated anyway.
+        Wall time limit of each YADE run (s); None takes the scenes' own. It is no part of the inputs' digest: a case is
+        repeated anyway where it ended YADE's run, or where it now allows a slower run that a requested accuracy needs.
     """
 
     definition: Definition
@@ -115,7 +115,7 @@ def _waiting(campaign: Campaign, outcomes: dict[str, JobOutcome]) -> list[tuple[
             classic[case.run.name][case.name] = case.classic
     for name, run in runs.items():
         inputs = digest(run, campaign.yade, classic[name], LOADED)
-        if (stored := stored_outcome(campaign.folder_of(run), run.scene_name, inputs)) is not None:
+        if (stored := stored_outcome(campaign.folder_of(run), run.scene_name, inputs, campaign.time_limit)) is not None:
             outcomes[name] = stored
         else:
             waiting.append((run, classic[name], inputs))

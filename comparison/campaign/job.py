@@ -18,7 +18,7 @@ from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import OUTCOME, alone_in, read_text, write_text
-from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, run_scene
+from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, run_scene, would_run_slower
 from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, structural_model
 from la_core.digests import code_digest
@@ -91,8 +91,11 @@ def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: 
     return hashlib.sha256(json.dumps(inputs).encode()).hexdigest()
 
 
-def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | None:
-    """Return the stored outcome of a job; None if its inputs changed, its files are missing or damaged, or it has to be repeated."""
+def stored_outcome(folder: Path, scene_name: str, inputs: str, time_limit: float | None = None) -> JobOutcome | None:
+    """Return the stored outcome of a job; None if its inputs changed, its files are missing or damaged, or it has to be repeated.
+
+    So it has where a time limit ended YADE's run, and where `time_limit` allows a slower run that a requested accuracy needs.
+    """
     try:
         stored = json.loads(read_text(folder / OUTCOME))
     except (OSError, ValueError, RecursionError):
@@ -100,8 +103,9 @@ def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | N
     if not isinstance(stored, dict) or stored.get("sum") != _sum_of(stored) or stored.get("inputs") != inputs:
         return None
     is_final = stored["state"] == "done" and stored["answers"]["yade_status"] not in REPEATED
-    with_run = stored["answers"]["yade_status"] is not None
-    return stored if is_final and _are_whole(folder, folder / scene_name, with_run) else None
+    with_run, results = stored["answers"]["yade_status"] is not None, folder / scene_name
+    is_whole = is_final and _are_whole(folder, results, with_run)
+    return stored if is_whole and not would_run_slower(results, time_limit) else None
 
 
 def _are_whole(folder: Path, results: Path, with_run: bool) -> bool:
@@ -126,7 +130,7 @@ def run_job(job: Job, listener: Listener) -> JobOutcome:
             return failure(OTHER_CODE, job)
         job.folder.mkdir(parents=True, exist_ok=True)
         with _alone_after_waiting(job.folder):
-            if (stored := stored_outcome(job.folder, job.scene.name, job.inputs)) is not None:
+            if (stored := stored_outcome(job.folder, job.scene.name, job.inputs, job.time_limit)) is not None:
                 return stored
             outcome = _done(job, listener)
             outcome["costs"]["seconds"] = time.monotonic() - began

@@ -2,7 +2,7 @@
 
 from comparison.limit_analysis import Listener
 from comparison.workflow.harder import refuse_names_of_attempts, try_harder
-from comparison.workflow.one_scene import report_again, run_scene
+from comparison.workflow.one_scene import report_again, run_scene, would_run_slower
 from comparison.workflow.stages import COMPARISON_CODE, REPEATED, YADE_CODE
 from comparison.workflow.worker_processes import ATTEMPTS, StoppedError, WorkerProcesses
 
@@ -18,4 +18,5 @@ __all__ = [
     "report_again",
     "run_scene",
     "try_harder",
+    "would_run_slower",
 ]

@@ -137,6 +137,27 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         return _compare(outcome, folder, listener, None)
 
 
+def would_run_slower(folder: Path, time_limit: float | None) -> bool:
+    """Return whether `run_scene` within this time limit would repeat the stored run more slowly, for an accuracy that it missed.
+
+    An earlier, smaller limit did not allow it. A folder whose results cannot be read is run again, too.
+    folder, time_limit: as in `run_scene`.
+    """
+    accuracy = _stored_summary(folder).get("accuracy") or {}
+    if accuracy.get("yade", {"kept": True})["kept"]:
+        return False
+    try:
+        results = read_results(folder)
+    except exchange.ExchangeError:
+        return True
+    return accuracy_settings.slower_settings(results, _limit(results.scene, time_limit)) is not None
+
+
+def _limit(scene: Scene, time_limit: float | None) -> float:
+    """Return the time limit of a YADE run, s of wall time: the requested one, that of the scene, or TIME_LIMIT."""
+    return time_limit or float(scene.yade.get("time_limit", TIME_LIMIT))
+
+
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
     """Return the summary of YADE, requested or not, in a folder without its run; one that was stored there is lost.
 
@@ -155,7 +176,7 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
     analysis, inputs = limit_analysis_stage(model, folder, listener)
     if not with_yade:
         return SceneOutcome(Results(analysis), None, _notes(analysis), inputs)
-    limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
+    limit = _limit(scene, time_limit)
     analysis = store_changed(analysis, accuracy_settings.initial_settings(analysis), inputs, folder)
     run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
     while run is not None and (better := _better(Results(analysis, run), listener, limit)) is not None:

@@ -46,6 +46,28 @@ def test_finished_cases_are_not_run_again_and_a_new_value_adds_its_own_alone(tmp
     assert repaired.done == ["two_blocks_friction=0.3", "two_blocks_friction=0.6"]
 
 
+def test_a_case_that_missed_its_accuracy_is_run_again_where_a_larger_time_limit_allows_a_slower_run(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever `would_run_slower` says of it, by the limit of this call: the campaign asks it, and the worker once more."""
+    asked: list[float | None] = []
+
+    def slower(folder: Path, limit: float | None) -> bool:
+        asked.append(limit)
+        return limit == 600.0 and folder.parent.name.endswith("0.4")
+
+    text = sweep('vary = { "joint.friction" = [0.4, 0.5] }')
+    run(text, tmp_path / "out")
+    monkeypatch.setattr(job, "would_run_slower", slower)
+    before = finished(tmp_path / "out")
+    for limit, again in ((20.0, []), (600.0, ["two_pads_friction=0.4"])):
+        engine = Inline()
+        run(text, tmp_path / "out", engine, limit)
+        after = finished(tmp_path / "out")
+        assert engine.done == again == [name for name in after if after[name] != before[name]] and set(asked) == {limit}
+        asked.clear()
+
+
 @pytest.mark.parametrize("damaged", ["report.html", "two_pads/case.h5", "two_pads/comparison.json", "two_pads/scene.toml"])
 def test_a_case_whose_stored_files_were_cut_short_is_made_again(damaged: str, tmp_path: Path, plain_figures: None) -> None:
     """`crosscheck report` of such a case says that it has to be run again, so the campaign must not count it as finished."""

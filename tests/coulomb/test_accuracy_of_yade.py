@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from runs import made_up_run
 
 from comparison.judge import requested_accuracy
 from comparison.verdict.check import Verdict
-from comparison.workflow import stages
+from comparison.workflow import one_scene, stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
 from la_core.analysis import shared_parts
@@ -94,6 +95,26 @@ def test_a_run_that_ran_out_of_time_is_not_repeated_slower() -> None:
     analysis = made_up("two_pads")
     assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT) is not None
     assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="timeout")), LIMIT) is None
+
+
+@pytest.mark.parametrize(("kept", "limit", "again"), [(False, 1.9, False), (False, 2.1, True), (True, 2.1, False)])
+def test_a_larger_time_limit_allows_the_slower_run_that_a_stored_one_needs(
+    kept: bool, limit: float, again: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The stored run took a second, and one at half the speed would take two."""
+    analysis = made_up()
+    stored = Results(analysis, run_of(analysis, uncertainty=0.011))
+    monkeypatch.setattr(one_scene, "_stored_summary", lambda folder: {"accuracy": {"yade": {"kept": kept}}})
+    monkeypatch.setattr(one_scene, "read_results", lambda folder: stored)
+    assert one_scene.would_run_slower(tmp_path, limit) is again
+
+
+@pytest.mark.parametrize("accuracy", [None, {"asked": 0.01}])
+def test_a_stored_scene_without_an_accuracy_of_yade_is_not_run_again(
+    accuracy: dict[str, float] | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(one_scene, "_stored_summary", lambda folder: {"accuracy": accuracy})
+    assert not one_scene.would_run_slower(tmp_path, 1e9)
 
 
 def test_without_sliding_a_run_is_as_fast_as_the_accuracy_bears() -> None:

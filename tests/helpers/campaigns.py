@@ -53,19 +53,19 @@ class Inline:
         return [self._ended.pop()]
 
 
-def campaign(text: str, folder: Path) -> Campaign:
+def campaign(text: str, folder: Path, time_limit: float | None = None) -> Campaign:
     """A campaign of a text, whose file lies beside the folder of its results."""
     path = folder.parent / "campaign.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
     asked = definition.load_campaign(path)
-    return Campaign(asked, expand(asked), folder, asked.file.yade)
+    return Campaign(asked, expand(asked), folder, asked.file.yade, time_limit=time_limit)
 
 
-def run(text: str, folder: Path, engine: Any = None) -> CampaignTable:
+def run(text: str, folder: Path, engine: Any = None, time_limit: float | None = None) -> CampaignTable:
     """Run a campaign of a text in a folder, in this process where no engine is given."""
     with CampaignNarration(Console(quiet=True), "test") as narration:
-        return run_cases(campaign(text, folder), engine or Inline(), narration)
+        return run_cases(campaign(text, folder, time_limit), engine or Inline(), narration)
 
 
 def begun(folder: Path) -> list[str]:
