@@ -81,6 +81,13 @@ def is_writable(folder: Path) -> bool:
     return os.access(folder, os.W_OK)
 
 
+def make_writable(folder: Path) -> None:
+    """Make a folder of results; raises OSError where it cannot be made, or where nothing can be written in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if not is_writable(folder):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+
+
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
     """Lock a run's folder for this process, and delete the files that a killed process left unfinished there.

@@ -129,6 +129,7 @@ def _add_sensitivity(add: AddVerb) -> None:
 def _add_cost(add: AddVerb) -> None:
     cost = add("cost", "measure the cost of accuracy: error against seconds for all methods and settings, as table and figure")
     cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
+    cost.set_defaults(configured=("time_limit",), time_limit=None)
     cost.add_argument(
         "-o", "--output", type=given_path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})"
     )

@@ -22,7 +22,9 @@ INSET_FACTORS = (2.0, 0.5, 0.2)
 TIME_LIMIT = 3600.0  # s of wall time for one rung where the scene says nothing
 
 
-def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]) -> Iterator[Method]:
+def yade_methods(
+    scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None], time_limit: float | None = None
+) -> Iterator[Method]:
     """Yield all rungs of YADE; the first uses the derived settings, and the others multiples of these.
 
     Parameters
@@ -35,13 +37,15 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
         Each rung runs in a folder inside.
     progress : callable
         Called with YADE's progress lines.
+    time_limit : float or None
+        Time limit of each run, s of wall time; None takes the scene's own, or TIME_LIMIT.
     """
     derived: dict[str, Any] = {}
     base = shared_inset(scene)  # the inset for YADE where the scene has none
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> MethodOutcome:
         requested = dict(scene.yade) | ({setting: factor * derived[setting]} if setting else {})
-        outcome, settings = run_once(scene, base * inset, requested, yade, folder / name.replace(" ", "_"), progress)
+        outcome, settings = run_once(scene, base * inset, requested, yade, folder / name.replace(" ", "_"), progress, time_limit)
         if not setting and inset == 1.0:
             derived.update(settings)
         return outcome
@@ -57,7 +61,13 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
 
 
 def run_once(
-    scene: Scene, inset: float, settings: dict[str, Any], yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]
+    scene: Scene,
+    inset: float,
+    settings: dict[str, Any],
+    yade: Yade,
+    folder: Path,
+    progress: Callable[[dict[str, Any]], None],
+    time_limit: float | None = None,
 ) -> tuple[MethodOutcome, dict[str, Any]]:
     """Run YADE once and return the outcome and the settings it used.
 
@@ -75,6 +85,8 @@ def run_once(
         Folder of the run; created where it does not exist.
     progress : callable
         Called with YADE's progress lines.
+    time_limit : float or None
+        Time limit of the run, s of wall time; None takes the scene's own, or TIME_LIMIT.
     """
     start = time.perf_counter()
     changed = replace(scene, inset=inset, yade=settings, path_asked=None)
@@ -83,7 +95,7 @@ def run_once(
     write_case(folder / "case.h5", analysis, folder.name)
     predicting = 0.0 if analysis.coulomb is None else analysis.coulomb.seconds
     built = time.perf_counter() - start - predicting
-    run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
+    run_yade(yade, folder, folder.name, time_limit or settings.get("time_limit", TIME_LIMIT), progress)
     run = read_run(folder / "run.h5", analysis.assembly)
     value = run.result.reaction if run.status == "plateau" else float("nan")
     return MethodOutcome(value, run.status, built, run.result.seconds, run.result.uncertainty), dict(run.settings)

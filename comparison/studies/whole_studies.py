@@ -20,7 +20,7 @@ from la_core.scene import Scene
 References = dict[str, tuple[float, int | None]]
 
 
-def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int = 1) -> CostStudy:
+def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int = 1, time_limit: float | None = None) -> CostStudy:
     """Run every setting of every method on a scene.
 
     Raises SceneError for a structure without an answer.
@@ -35,6 +35,8 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
         Receives the progress.
     workers : int
         Number of runs of YADE that go on side by side.
+    time_limit : float or None
+        Time limit of each of them, s of wall time; None takes the scene's own, or an hour.
     """
     stopped = threading.Event()
 
@@ -53,7 +55,7 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
     with tempfile.TemporaryDirectory() as runs:
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
         if with_yade:
-            methods += yade_methods(scene, find_yade(), Path(runs), hear)
+            methods += yade_methods(scene, find_yade(), Path(runs), hear, time_limit)
         count = len(methods)
         return measure_study(scene, methods, begin, workers, stopped.set)
 

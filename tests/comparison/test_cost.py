@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import threading
 from functools import partial
 from pathlib import Path
@@ -12,9 +13,9 @@ import scenes
 from faulty_runs import PATIENCE
 
 from comparison.cli.commands import main
-from comparison.cli.exit_codes import CANNOT_STAND
+from comparison.cli.exit_codes import CANNOT_STAND, TOOL
 from comparison.errors import YadeFailedError
-from comparison.studies import cost, cost_yade
+from comparison.studies import cost, cost_yade, whole_studies
 from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
@@ -206,6 +207,33 @@ def test_the_command_writes_figure_and_numbers_and_prints_both_tables(tmp_path: 
     assert stored["provenance"] and (tmp_path / "two_pads-cost.png").stat().st_size > 10_000
     assert main(["cost", "two_pads", "two_pads", "--no-yade", "-o", str(tmp_path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["ladders"][0]["scene"] == "two_pads"
+
+
+def test_a_setting_limits_the_wall_time_of_every_run_of_yade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, limits = scenes.shipped("two_pads"), list[float]()
+
+    def ended(yade: object, folder: Path, inputs: str, limit: float, progress: object) -> None:
+        limits.append(limit)
+        raise InterruptedError
+
+    monkeypatch.setattr(cost_yade, "run_yade", ended)
+    monkeypatch.setattr(whole_studies, "find_yade", lambda: None)
+    monkeypatch.setattr(whole_studies, "limit_analysis_methods", lambda *_: [])
+    for variable in ("0.2", ""):
+        monkeypatch.setenv("CROSSCHECK_TIME_LIMIT", variable)
+        main(["cost", "two_pads", "-q", "-o", str(tmp_path)])
+    with pytest.raises(InterruptedError):
+        cost_yade.run_once(scene, scene.inset, {"time_limit": 60.0}, None, tmp_path, lambda report: None)  # type: ignore[arg-type]
+    assert limits == [0.2, cost_yade.TIME_LIMIT, 60.0]
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_the_measurement(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("comparison.run_folder.os.access", lambda path, mode: mode != os.W_OK)
+    monkeypatch.setattr("comparison.cli.study_verbs.cost.study_cost", lambda *_: pytest.fail("it was measured"))
+    assert main(["cost", "two_pads", "-q", "-o", str(tmp_path / "out")]) == TOOL
+    assert f"{tmp_path / 'out'}: Permission denied; choose a folder" in capsys.readouterr().err
 
 
 def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

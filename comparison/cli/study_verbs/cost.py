@@ -8,7 +8,7 @@ from comparison.cli.exit_codes import AGREE
 from comparison.figures import save
 from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.run_folder import refuse_names, write_text
+from comparison.run_folder import make_writable, refuse_names, write_text
 from comparison.studies import CostStudy, cost, cost_dict, cost_figure, study_cost
 from la_core.scene import load_scene, shipped
 
@@ -20,12 +20,12 @@ def execute(context: Context) -> int:
     options = context.options
     scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
     refuse_names(scenes)
-    options.output.mkdir(parents=True, exist_ok=True)  # a folder that cannot be made is told before the measurement
+    make_writable(options.output)  # a folder that takes no results is told before the measurement
     ladders: list[CostStudy] = []
     try:
         with Narration(context.narrator) as narration:
             for scene in scenes:
-                ladders.append(study_cost(scene, not options.no_yade, narration, options.workers))
+                ladders.append(study_cost(scene, not options.no_yade, narration, options.workers, options.time_limit))
                 _store(ladders[-1], options.output / f"{scene.name}-cost")
     finally:  # a full disk takes no numbers away, which may be stored nowhere
         if ladders:
