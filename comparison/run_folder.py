@@ -26,6 +26,7 @@ TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in
 CASES = "cases"  # folder of the folders of a campaign's cases
 OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
 HEAD = ("title", "project", "author", "date")  # words of a report's head, which a command may choose
+SECOND_ATTEMPT = "_harder"  # ends the name of the scene of a second attempt, and so of its folder
 DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on
 OF_CAMPAIGN = (DEFINITION, "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
@@ -49,6 +50,14 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
+
+
+def is_second_attempt(scene: Scene) -> bool:
+    """Return whether a scene is that of a second attempt (`--try-harder`): its name and its effort say so, in stored results, too.
+
+    The effort alone does not: it is a key that any scene may set.
+    """
+    return scene.effort == "high" and scene.name.endswith(SECOND_ATTEMPT)
 
 
 def folder_of_results(folder: Path | str) -> Path:

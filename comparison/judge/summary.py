@@ -9,11 +9,13 @@ import numpy as np
 
 from comparison.judge.checks.curves import curves_summary
 from comparison.judge.checks.energy import energy_summary
+from comparison.judge.checks.next_steps import for_fine_paths
 from comparison.judge.checks.tolerances import LEAST_REACTION, least_reaction
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.greatest_load import greatest_load_summary
 from comparison.judge.requested_accuracy import accuracy_summary
+from comparison.run_folder import is_second_attempt
 from comparison.verdict import BEARS_NOTHING, CARRIED_OUT, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, answer_values
@@ -105,7 +107,8 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
     cause = "" if falling is None else _missing_joints(analysis.whole, falling)
     has_run = yade is None or yade["status"] in CARRIED_OUT
     step = _where_nothing_is_borne(analysis) if has_run else ""
-    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded, cause, step)
+    concluded = conclusion(checks, yade, falling, is_second_attempt(scene), is_loaded, rounded, cause, step)
+    return dataclasses.replace(concluded, next_step=for_fine_paths(concluded.next_step, scene))
 
 
 def _where_nothing_is_borne(analysis: LimitAnalysis) -> str:

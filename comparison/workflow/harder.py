@@ -11,6 +11,7 @@ from typing import Any
 
 from comparison.limit_analysis import Listener
 from comparison.numbers import plural
+from comparison.run_folder import SECOND_ATTEMPT, is_second_attempt
 from comparison.settings import HARDER_SECONDS
 from comparison.verdict import Verdict
 from comparison.workflow.one_scene import run_scene
@@ -18,7 +19,6 @@ from la_core.errors import SceneError
 from la_core.exchange import EARLIER_ATTEMPT, TRAVEL_PERIODS
 from la_core.scene import Scene, same_structure
 
-SUFFIX = "_harder"  # of the name of the second attempt, and of its folder
 STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in proportion to their strain, so plateaus are flatter
 SLOWER = 2.0  # times the duration of YADE's travel
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # that a scene may set itself
@@ -35,7 +35,7 @@ def try_harder(
 ) -> dict[str, Any] | None:
     """Run a scene again with finer settings, and return the content of the second comparison.json.
 
-    None where the first verdict leaves nothing open, or where the attempt would take longer than it may: the listener is then told.
+    None where the first verdict leaves nothing open, and where no attempt can be made or it would take too long: the listener is told why.
 
     Parameters
     ----------
@@ -52,27 +52,44 @@ def try_harder(
     seconds : float
         Wall time that the attempt may take, s; YADE's run is stopped there.
     """
-    yade = first["yade"] or {}
-    if first["verdict"] not in OPEN or yade.get("status") == "missing" or scene.effort == "high":
+    if first["verdict"] not in OPEN:
         return None
-    expected = DEARER * _seconds_of_attempt(yade) * with_yade + DEARER_PATHS * _prediction_seconds(first)
-    if expected > seconds:
-        minutes = math.ceil(expected / 60.0)
-        allowed = f"--try-harder-limit {60 * minutes} (s) allows it, in Python `try_harder_limit`"
-        listener.stage(scene.name, "comparison", f"not tried harder: this would take about {plural(minutes, 'minute')}; {allowed}")
+    of_prediction = (1.0 if scene.effort == "high" else DEARER_PATHS) * _prediction_seconds(first)
+    is_missing = (first["yade"] or {}).get("status") == "missing"
+    reason = "YADE is missing" if is_missing else _why_finest(scene, with_yade) or _too_long(first, with_yade, of_prediction, seconds)
+    if reason:
+        listener.stage(scene.name, "comparison", f"not tried harder: {reason}")
         return None
     listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
-    harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SUFFIX}")
-    of_yade = seconds - DEARER_PATHS * _prediction_seconds(first)
-    return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
+    harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SECOND_ATTEMPT}")
+    return run_scene(harder, results / harder.name, listener, with_yade, seconds - of_prediction, first_verdict=_first_verdict(first))
 
 
-def refuse_names_of_attempts(scenes: Iterable[Scene]) -> None:
+def _why_finest(scene: Scene, with_yade: bool) -> str:
+    """Return why no settings of a second attempt are finer than those of a scene; "" where some are."""
+    if is_second_attempt(scene):
+        return f'this is a second attempt already, because its name ends in {SECOND_ATTEMPT} and its effort is "high"'
+    if scene.effort == "high" and not with_yade:
+        return 'the scene sets effort = "high", so limit analysis has followed finer paths already, and YADE does not run'
+    return ""
+
+
+def _too_long(first: Mapping[str, Any], with_yade: bool, of_prediction: float, seconds: float) -> str:
+    """Return that the second attempt would take longer than it may; "" where it would not. of_prediction: seconds of limit analysis."""
+    expected = DEARER * _seconds_of_attempt(first["yade"] or {}) * with_yade + of_prediction
+    if expected <= seconds:
+        return ""
+    minutes = math.ceil(expected / 60.0)
+    allowed = f"--try-harder-limit {60 * minutes} (s) allows it, in Python `try_harder_limit`"
+    return f"this would take about {plural(minutes, 'minute')}; {allowed}"
+
+
+def refuse_names_of_attempts(scenes: Iterable[Scene], with_yade: bool = False) -> None:
     """Raise SceneError for a scene that has the name of another one's second attempt: the two would share a folder of results."""
     by_name = {scene.name: scene for scene in scenes}
     for name, scene in by_name.items():
-        other = by_name.get(f"{name}{SUFFIX}")
-        if other is not None and scene.effort != "high":  # such a scene has no second attempt
+        other = by_name.get(f"{name}{SECOND_ATTEMPT}")
+        if other is not None and not _why_finest(scene, with_yade):
             rule = f'"{other.name}" is also the name of the second attempt of {scene.path}, and each needs a folder of its own'
             raise SceneError(str(other.path), rule, hint="rename one file, or run the two in different folders (-o)")
 

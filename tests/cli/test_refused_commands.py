@@ -10,6 +10,7 @@ from comparison.cli.arguments import parser
 from comparison.cli.commands import main
 from comparison.cli.help_verbs.completion import actions
 from comparison.workflow import refuse_names_of_attempts
+from la_core.errors import SceneError
 from la_core.scene import load, shipped, variant
 
 
@@ -124,6 +125,8 @@ def test_a_scene_with_the_name_of_another_one_s_second_attempt_is_refused(
     assert "is also the name of the second attempt" in said and all(str(path) in said for path in paths)
     assert not (tmp_path / "out").exists()
     refuse_names_of_attempts([variant(load(path), {"effort": "high"}, name=path.stem) for path in paths])  # no second attempt is left
+    with pytest.raises(SceneError, match="is also the name of the second attempt"):  # YADE has finer settings left
+        refuse_names_of_attempts([variant(load(path), {"effort": "high"}, name=path.stem) for path in paths], with_yade=True)
 
 
 def test_an_expected_value_of_the_wrong_kind_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,9 @@ from conftest import Silent
 
 import la_core
 from comparison.cli.conclude import lines_below
-from comparison.judge.checks.next_steps import LONGER, SLOWER_RUN
+from comparison.judge.checks.next_steps import FINER_PATHS, FINEST_PATHS, LONGER, SLOWER_RUN
+from comparison.judge.summary import conclusion_of
+from comparison.run_folder import is_second_attempt
 from comparison.verdict import Check, Verdict, conclusion
 from comparison.workflow import harder
 from la_core.analysis.accuracy import ATTEMPTS, finer_paths
@@ -67,6 +69,43 @@ def test_a_second_attempt_is_made_only_where_something_is_open(runs: list[tuple[
     assert len(runs) == 2
     assert harder.try_harder(first("inconclusive", status="missing"), scene, tmp_path, Told(), True) is None
     assert harder.try_harder(first("inconclusive"), runs[0][0], tmp_path, Told(), True) is None  # a third attempt would be the same
+
+
+def test_a_scene_that_sets_a_high_effort_itself_has_a_second_attempt(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    """It had none, and nobody said why."""
+    scene, told = la_core.variant("wall_third", {"effort": "high"}, "wall"), Told()
+    assert harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 101.5) is not None  # its paths take no longer again
+    assert runs[0][0].name == "wall_harder" and runs[0][4] == 100.5
+    assert is_second_attempt(runs[0][0]) and not is_second_attempt(scene)
+    assert not is_second_attempt(la_core.variant(scene, {"effort": "normal"}, "wall_harder"))
+
+
+@pytest.mark.parametrize(
+    ("name", "status", "with_yade", "words"),
+    [
+        ("wall_harder", "plateau", True, "this is a second attempt already, because its name ends in _harder"),
+        ("wall", "plateau", False, 'the scene sets effort = "high", so limit analysis has followed finer paths already'),
+        ("wall", "missing", True, "YADE is missing"),
+    ],
+)
+def test_why_no_second_attempt_is_made_is_told(
+    name: str, status: str, with_yade: bool, words: str, runs: list[tuple[Any, ...]], tmp_path: Path
+) -> None:
+    told, scene = Told(), la_core.variant("wall_third", {"effort": "high"}, name)
+    assert harder.try_harder(first("inconclusive", status=status), scene, tmp_path, told, with_yade) is None and not runs
+    assert len(told.lines) == 1 and told.lines[0].startswith(f"not tried harder: {words}")
+    assert harder.try_harder(first("agree", status=status), scene, tmp_path, told, with_yade) is None
+    assert len(told.lines) == 1, "nothing is open"
+
+
+@pytest.mark.parametrize(("name", "is_tried"), [("pads", False), ("pads_harder", True)])
+def test_a_high_effort_of_the_scene_is_not_told_as_a_second_attempt(name: str, is_tried: bool) -> None:
+    analysis = analyse(la_core.variant("two_pads", {"effort": "high"}, name))
+    check, paths = (Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step=step) for step in (LONGER, FINER_PATHS))
+    found = conclusion_of(analysis, [check], {"status": "no plateau"}).next_step
+    assert ("second attempt already" in found) is is_tried and ("--try-harder" in found) is not is_tried
+    found = conclusion_of(analysis, [paths], {"status": "plateau"}).next_step
+    assert found != FINER_PATHS and (found == FINEST_PATHS) is not is_tried
 
 
 def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:

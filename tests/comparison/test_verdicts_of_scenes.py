@@ -58,6 +58,7 @@ def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysi
         ({"yade.speed": 1.0, "yade.fall_speed": 1.0}, "sets speed, fall_speed: leave them out first"),
         ({"yade.threads": 2, "yade.wedging": 1e-6}, "Let YADE go"),
         ({"yade.speed": 1.0, "yade.stiffening": 16.0, "effort": "high"}, "sets speed: leave it out first"),
+        ({"yade.travel_periods": 10.0, "effort": "high"}, "sets travel_periods: leave it out first"),
     ],
 )
 def test_settings_of_the_scene_are_left_out_first_where_yade_did_not_settle(changes: dict[str, Any], words: str) -> None:

@@ -99,5 +99,5 @@ def _models(options: argparse.Namespace) -> list[StructuralModel]:
         scenes = [same_structure(scene, {"yade.threads": options.threads}, scene.name) for scene in scenes]
     refuse_names(scenes)
     if _may_try_harder(options):
-        refuse_names_of_attempts(scenes)
+        refuse_names_of_attempts(scenes, with_yade=not options.no_yade)
     return [structural_model(scene) for scene in scenes]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from comparison.verdict import HARDER, Check, Verdict
 from la_core.analysis import LimitAnalysis
+from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
 from la_core.scene import Scene
 
@@ -19,6 +20,7 @@ SHARP_EDGES = (
 )
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
 FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a finer run of YADE. {HARDER}"
+FINEST_PATHS = 'Limit analysis followed finer paths already (effort = "high"): `--accuracy 1%` follows still finer ones.'
 SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thrust: set [effects] rotation = "finite". If not: {BOTH_FINER}'
@@ -60,20 +62,30 @@ OWN_SETTINGS = "The scene's [yade] table sets {names}: leave {them} out first, s
 OF_THE_RUN = (SLOWER_RUN, MORE_TIME, GIVE_THRUST, LONGER)  # steps for a run that did not come to a steady state in balance
 # Settings without which the structure falls, that do not change the motion, or whose effect the message itself tells.
 NEEDED = ("wedging", "time_limit", "threads", "plateau_uncertainty", "stop_uncertainty")
-OF_SECOND_ATTEMPT = ("damping_ratio", "stiffening", "travel_periods")  # settings that a second attempt adds to the scene
+# Settings that a second attempt adds to the scene, and the least values that are no coarser than derived ones.
+OF_SECOND_ATTEMPT = {"damping_ratio": 1.0, "stiffening": 4.0, "travel_periods": TRAVEL_PERIODS}
 
 
 def own_settings_first(check: Check, scene: Scene) -> Check:
     """Return an inconclusive check with the advice to leave out the settings of the scene, where they may be why YADE did not settle.
 
-    The scene of a second attempt, whose effort is high, also holds settings of that attempt, which are not named.
+    A scene of high effort, such as that of a second attempt, may hold the fine settings of that attempt, which are not named.
     """
-    kept = NEEDED + OF_SECOND_ATTEMPT if scene.effort == "high" else NEEDED
-    names = [name for name in scene.yade if name not in kept]
+    names = [name for name in scene.yade if name not in NEEDED and not (scene.effort == "high" and _is_fine(name, scene))]
     if check.verdict is not Verdict.INCONCLUSIVE or check.next_step not in OF_THE_RUN or not names:
         return check
     lead = OWN_SETTINGS.format(names=", ".join(names), them="it" if len(names) == 1 else "them")
     return replace(check, next_step=f"{lead} {check.next_step}")
+
+
+def _is_fine(name: str, scene: Scene) -> bool:
+    """Return whether a setting of a scene is as fine as one that a second attempt may have added."""
+    return name in OF_SECOND_ATTEMPT and float(scene.yade[name]) >= OF_SECOND_ATTEMPT[name]
+
+
+def for_fine_paths(step: str, scene: Scene) -> str:
+    """Return a next step that does not advise the finer paths that the scene has already."""
+    return step.replace(FINER_PATHS, FINEST_PATHS) if scene.effort == "high" else step
 
 
 def without_value(analysis: LimitAnalysis) -> str:
