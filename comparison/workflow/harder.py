@@ -104,7 +104,10 @@ def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
     settings |= {f"yade.{name}": STIFFER * run[name] for name in names if name in run}
     if "speed" in scene.yade:
         return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
-    return settings | {"yade.travel_periods": SLOWER * float(scene.yade.get("travel_periods", TRAVEL_PERIODS))}
+    periods = float(scene.yade.get("travel_periods", TRAVEL_PERIODS))
+    if scene.accuracy is not None:  # it may have made the first run slower
+        periods = max(periods, run.get("travel_periods", 0.0))
+    return settings | {"yade.travel_periods": SLOWER * periods}
 
 
 def _seconds_of_attempt(yade: Mapping[str, Any]) -> float:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from comparison.run_folder import is_second_attempt
 from comparison.yade.stored import Results
 from la_core.analysis import HISTORY, Attempt, LimitAnalysis, has_history, scale, shared_parts
 from la_core.exchange import TRAVEL_PERIODS
@@ -41,7 +42,8 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
     pace, stop = min(max(1.0, FASTEST * accuracy / FAST_ACCURACY), FASTEST), STOP_SHARE * accuracy
     if may_slide(analysis):
         pace, stop = min(HISTORY_SHARE * accuracy / HISTORY_OF_SPEED, 1.0), min(stop, LOOSEST_STOP)
-    settings = {"travel_periods": TRAVEL_PERIODS / pace, "stop_uncertainty": stop, "settings_uncertainty": SETTINGS_UNCERTAINTY}
+    periods = float(scene.yade.get("travel_periods", TRAVEL_PERIODS / pace))
+    settings = {"travel_periods": periods, "stop_uncertainty": stop, "settings_uncertainty": SETTINGS_UNCERTAINTY}
     return replace(analysis, accuracy=replace(record, settings=_left_open(scene, settings)))
 
 
@@ -52,8 +54,12 @@ def may_slide(analysis: LimitAnalysis) -> bool:
 
 
 def _left_open(scene: Scene, settings: dict[str, float]) -> dict[str, float]:
-    """Return the settings that the scene leaves to the program; a speed in the scene also fixes the travel's periods."""
-    fixed = set(scene.yade) | ({"travel_periods"} if "speed" in scene.yade else set())
+    """Return the settings that the scene leaves to the program; a speed in the scene also fixes the travel's periods.
+
+    The periods of a second attempt are those that it begins with: it may become slower.
+    """
+    fixed = set(scene.yade) - ({"travel_periods"} if is_second_attempt(scene) else set())
+    fixed |= {"travel_periods"} if "speed" in scene.yade else set()
     return {name: value for name, value in settings.items() if name not in fixed}
 
 

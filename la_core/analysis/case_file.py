@@ -57,7 +57,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
 
     def as_text(found: dict[str, float]) -> str:
-        return json.dumps(found | (record.settings if record else {}) | dict(scene.yade), sort_keys=True)
+        return json.dumps(found | dict(scene.yade) | (record.settings if record else {}), sort_keys=True)
 
     values: dict[str, Any] = {
         "scene/name": scene.name,

@@ -127,6 +127,25 @@ def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: li
     assert finer["yade.normal_stiffness"] == 8e6 and "yade.stiffening" not in finer
 
 
+@pytest.mark.parametrize(
+    ("changes", "came_to", "periods"),
+    [
+        ({}, 7920.0, 2400.0),  # without an accuracy the run's own attempts decide its speed, and those of the second one again
+        ({"accuracy": 0.001}, 7920.0, 15840.0),
+        ({"accuracy": 0.01}, 150.0, 2400.0),
+        ({"accuracy": 0.001, "yade.travel_periods": 75.0}, 75.0, 150.0),
+        ({"accuracy": 0.001}, None, 2400.0),
+    ],
+)
+def test_it_is_slower_than_what_an_accuracy_has_made_of_the_first_run(
+    changes: dict[str, Any], came_to: float | None, periods: float
+) -> None:
+    """It was faster, and its own error larger."""
+    scene = la_core.variant("wall_third", changes)
+    run = {"stiffening": 4.0} | ({} if came_to is None else {"travel_periods": came_to})
+    assert harder.finer_settings(scene, run)["yade.travel_periods"] == periods
+
+
 def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
     scene, told = la_core.load("wall_third"), Told()
     harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 200.0)

@@ -1,5 +1,6 @@
 """A run of YADE is as slow as the accuracy needs, is repeated slower where it misses, and says so where it cannot reach it."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,12 +11,15 @@ import scenes
 from runs import made_up_run
 
 from comparison.judge import requested_accuracy
+from comparison.run_folder import SECOND_ATTEMPT
 from comparison.verdict.check import Verdict
 from comparison.workflow import one_scene, stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
+from la_core import exchange
 from la_core.analysis import shared_parts
 from la_core.analysis.accuracy import scale, with_accuracy
+from la_core.analysis.case_file import write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.exchange.dem_settings import TRAVEL_PERIODS
@@ -165,6 +169,26 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
     assert accuracy_settings.slower_settings(Results(analysis, fast), LIMIT) is None
     (_, check) = requested_accuracy.check_accuracy(Results(analysis, fast))
     assert check.verdict is Verdict.INCONCLUSIVE
+
+
+@pytest.mark.parametrize(("own", "begins_with"), [({"travel_periods": 2400.0}, 2400.0), ({"speed": 1e-3}, None)])
+def test_a_second_attempt_becomes_slower_where_it_misses_the_accuracy(
+    own: dict[str, float], begins_with: float | None, tmp_path: Path
+) -> None:
+    """The periods that it begins with stand in its scene; a speed of the user's is not touched."""
+    scene = with_accuracy(scenes.shipped("wall_third"), 0.001)
+    scene = replace(scene, name=scene.name + SECOND_ATTEMPT, effort="high", yade=own)
+    analysis = accuracy_settings.initial_settings(analyse(scene))
+    assert analysis.accuracy is not None and analysis.accuracy.settings.get("travel_periods") == begins_with
+    run = run_of(analysis, periods=2400.0, uncertainty=0.01)
+    slower = accuracy_settings.slower_settings(Results(analysis, run), LIMIT)
+    assert (slower is None) is (begins_with is None)
+    if slower is not None and slower.accuracy is not None:
+        periods = slower.accuracy.settings["travel_periods"]
+        assert periods >= 2.0 * 2400.0
+        write_case(tmp_path / "case.h5", slower, "inputs")
+        stored = exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS)
+        assert json.loads(stored["scene/settings"])["travel_periods"] == periods, "what YADE runs with"
 
 
 def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
