@@ -101,7 +101,7 @@ class Narration(_Bars):
         late = "no plateau yet, " if report.get("is_late") else ""
         if seconds is not None and seconds >= LONG and attempt > self._announced.get(scene, 0):
             self._announced[scene] = attempt
-            self._say(f"{scene}: YADE: {which}{late}{_announcement(seconds, report.get('seconds_to_limit'))}")
+            self._say(f"{scene}: YADE: {which}{late}{_announcement(seconds, report)}")
         done = f"{100.0 * share:.0f} %, " if share > 0.0 else ""
         left = "" if seconds is None else _time_left(seconds)
         self.fraction(scene, share, f"YADE: {done}{which}{late}{_state(report)}{left}")
@@ -228,12 +228,14 @@ def _unit_of_share(scene: Scene) -> str:
     return " m" if scene.is_rotation else ""
 
 
-def _announcement(seconds: float, limit: float | None) -> str:
-    """Return how long a run still takes, and whether its time limit ends it before; both s from now."""
+def _announcement(seconds: float, report: dict[str, Any]) -> str:
+    """Return how long a run still takes, and whether its time limit, which the report has, ends it before; both s from now."""
+    limit: float | None = report.get("seconds_to_limit")
     words = f"{time_words(seconds)} to a plateau, longer if the blocks stick and slip"
     if limit is None or seconds < limit:
         return words
-    return f"{words}; its time limit ends the run in {time_words(limit)} (a larger --time-limit, or time_limit in [yade], allows more)"
+    larger = "--try-harder-limit" if report.get("is_second_attempt") else "--time-limit, or time_limit in [yade],"
+    return f"{words}; its time limit ends the run in {time_words(limit)} (a larger {larger} allows more)"
 
 
 def _state(report: dict[str, Any]) -> str:

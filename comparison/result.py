@@ -161,7 +161,7 @@ def run(
     yade : bool
         Whether to run YADE; False runs limit analysis alone.
     time_limit : float or None
-        Longest wall time of YADE, s. None takes the scene's setting, or 3600 s.
+        Longest wall time of YADE, s. None takes the scene's setting, or 3600 s. A second attempt has `try_harder_limit` instead.
     quiet : bool
         Whether to write no progress to stderr.
     try_harder : bool

@@ -150,13 +150,16 @@ def _add_run(add: AddVerb) -> None:
         "--full", action="store_true", help="model every effect; results go to the folder SCENE_full, beside those of the reduced model"
     )
     run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
-    run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
+    run.add_argument("--time-limit", type=seconds, metavar="S", help=f"{LIMIT_HELP}; a second attempt has --try-harder-limit")
     harder_help = (
         "where the verdict is inconclusive, disagree or expected value not met, run both methods again with finer settings of their own, "
         "in the folder SCENE_harder"
     )
     run.add_argument("--try-harder", action="store_true", help=harder_help)
-    most = f"wall time of --try-harder, which this option implies, for each scene in seconds (default: {HARDER_SECONDS:g}, 15 minutes)"
+    most = (
+        "wall time of --try-harder, which this option implies, for each scene in seconds, in place of any other time limit "
+        f"(default: {HARDER_SECONDS:g}, 15 minutes)"
+    )
     run.add_argument("--try-harder-limit", type=seconds, metavar="S", help=most)
     threads_help = "threads of YADE in each scene, for large structures; two runs then differ in their last digits (default: 1)"
     run.add_argument("--threads", type=count, metavar="N", help=threads_help)

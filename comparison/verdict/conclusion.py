@@ -110,10 +110,11 @@ def conclusion(
 
 
 def _after_second_attempt(step: str) -> str:
-    """Return a next step with TRIED in place of the sentences that advise a second attempt."""
+    """Return a next step with TRIED in place of the sentences that advise a second attempt, and with the time limit of that attempt."""
     said = sentences(step)
     advised = [one for one, following in zip(said, [*said[1:], ""], strict=True) if "--try-harder" in one or following == HARDER]
-    return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
+    step = " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
+    return step.replace("--time-limit", "--try-harder-limit")
 
 
 def named_blocks(names: Sequence[str]) -> str:

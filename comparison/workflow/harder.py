@@ -50,7 +50,7 @@ def try_harder(
     with_yade : bool
         Whether YADE runs.
     seconds : float
-        Wall time that the attempt may take, s; YADE's run is stopped there.
+        Wall time that the attempt may take, s; YADE's run is stopped there, whatever the time limit of the first one.
     """
     if first["verdict"] not in OPEN:
         return None
@@ -60,9 +60,10 @@ def try_harder(
     if reason:
         listener.stage(scene.name, "comparison", f"not tried harder: {reason}")
         return None
-    listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
+    of_yade = seconds - of_prediction
+    listener.stage(scene.name, "comparison", f"{first['verdict']}; {_what_follows(first, with_yade, of_yade)}")
     harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SECOND_ATTEMPT}")
-    return run_scene(harder, results / harder.name, listener, with_yade, seconds - of_prediction, first_verdict=_first_verdict(first))
+    return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
 
 
 def _why_finest(scene: Scene, with_yade: bool) -> str:
@@ -80,8 +81,23 @@ def _too_long(first: Mapping[str, Any], with_yade: bool, of_prediction: float, s
     if expected <= seconds:
         return ""
     minutes = math.ceil(expected / 60.0)
+    more = " or more, because its time limit cut YADE's first run off" if with_yade and _is_cut_off(first) else ""
     allowed = f"--try-harder-limit {60 * minutes} (s) allows it, in Python `try_harder_limit`"
-    return f"this would take about {plural(minutes, 'minute')}; {allowed}"
+    return f"this would take about {plural(minutes, 'minute')}{more}; {allowed}"
+
+
+def _what_follows(first: Mapping[str, Any], with_yade: bool, of_yade: float) -> str:
+    """Return the line on a second attempt that begins. of_yade: longest wall time of YADE's run, s."""
+    words = "both methods run again with finer settings"
+    if not with_yade:
+        return words
+    cut_off = "; its time limit cut the first run off, so nobody knows how long this one takes" if _is_cut_off(first) else ""
+    return f"{words}, YADE for at most {of_yade:.0f} s (--try-harder-limit){cut_off}"
+
+
+def _is_cut_off(first: Mapping[str, Any]) -> bool:
+    """Return whether YADE's first run ended at its time limit: its seconds are then less than a run takes."""
+    return (first["yade"] or {}).get("status") == "timeout"
 
 
 def refuse_names_of_attempts(scenes: Iterable[Scene], with_yade: bool = False) -> None:

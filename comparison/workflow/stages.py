@@ -14,6 +14,7 @@ import numpy as np
 from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.judge import answer_of, without_run, without_undefined, yade_summary
 from comparison.limit_analysis import Listener, first_prediction
+from comparison.run_folder import is_second_attempt
 from comparison.yade import ROOT, Run, Yade, locate_yade, read_run, run_yade
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, case_file
@@ -100,7 +101,8 @@ def yade_stage(
                 yade = Yade(installation.python, installation.modules, str(report.get("version")), tuple(report.get("lacks") or ()))
                 caution = f" ({yade.short_caution})" if yade.short_caution else ""
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
-            listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
+            of_scene = {"unit": scene.settlement_unit, "quantity": scene.quantity, "is_second_attempt": is_second_attempt(scene)}
+            listener.progress(scene.name, report | of_scene)
 
         (folder / "comparison.json").unlink(missing_ok=True)  # of earlier results, or of limit analysis alone
         run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)

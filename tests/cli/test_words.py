@@ -237,6 +237,9 @@ def test_a_run_that_its_time_limit_will_end_is_announced_so(monkeypatch: pytest.
     assert narrated(monkeypatch, [beyond], all_lines=False) == [
         f"{words}; its time limit ends the run in about 1 h 00 min (a larger --time-limit, or time_limit in [yade], allows more)"
     ]
+    assert narrated(monkeypatch, [beyond | {"is_second_attempt": True}], all_lines=False) == [
+        f"{words}; its time limit ends the run in about 1 h 00 min (a larger --try-harder-limit allows more)"
+    ]
 
 
 def test_lines_of_a_run_say_attempt_lateness_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:

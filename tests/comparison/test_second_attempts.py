@@ -11,7 +11,7 @@ from conftest import Silent
 
 import la_core
 from comparison.cli.conclude import lines_below
-from comparison.judge.checks.next_steps import FINER_PATHS, FINEST_PATHS, LONGER, SLOWER_RUN
+from comparison.judge.checks.next_steps import FINER_PATHS, FINEST_PATHS, LONGER, MORE_TIME, SLOWER_RUN
 from comparison.judge.summary import conclusion_of
 from comparison.run_folder import is_second_attempt
 from comparison.verdict import Check, Verdict, conclusion
@@ -181,6 +181,19 @@ def test_what_yade_tried_in_vain_does_not_count_for_its_time(runs: list[tuple[An
     assert harder.try_harder(content, scene, tmp_path, Told(), True, 300.0) is not None
 
 
+def test_a_time_limit_of_the_first_run_is_not_that_of_the_second_one(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    """A run that was cut off would be cut off again; and what it took says too little about how long the next one takes."""
+    scene, told = la_core.variant("wall_third", {"yade.time_limit": 20.0}), Told()
+    harder.try_harder(first("inconclusive", seconds=20.0, status="timeout"), scene, tmp_path, told, True, 300.0)
+    assert runs[0][4] == 292.0 and "YADE for at most 292 s (--try-harder-limit); its time limit cut the first run off" in told.lines[-1]
+    assert harder.try_harder(first("inconclusive", seconds=30.0, status="timeout"), scene, tmp_path, told, True, 300.0) is None
+    assert "about 6 minutes or more, because its time limit cut YADE's first run off; --try-harder-limit 360" in told.lines[-1]
+    harder.try_harder(first("inconclusive", seconds=20.0), scene, tmp_path, told, True, 300.0)
+    assert told.lines[-1].endswith("YADE for at most 292 s (--try-harder-limit)")
+    harder.try_harder(first("unexpected"), scene, tmp_path, told, False, 300.0)
+    assert told.lines[-1] == "unexpected; both methods run again with finer settings"
+
+
 def test_stiffnesses_of_the_scene_become_stiffer_each() -> None:
     given = la_core.variant(la_core.load("wall_third"), {"yade.normal_stiffness": 2e6, "yade.shear_stiffness": 1e6})
     finer = harder.finer_settings(given, {"stiffening": 1.0, "normal_stiffness": 2e6, "shear_stiffness": 1e6})
@@ -213,6 +226,9 @@ def test_after_a_second_attempt_no_other_one_of_the_same_settings_is_advised() -
         first, second = (conclusion([check], {"status": "plateau"}, None, is_finest).next_step for is_finest in (False, True))
         assert "--try-harder" in first and "--try-harder" not in second
         assert second.endswith("model a smaller part.")
+    late = Check("YADE's run", Verdict.INCONCLUSIVE, reason="Why.", next_step=MORE_TIME)
+    assert conclusion([late], None).next_step == MORE_TIME
+    assert conclusion([late], None, None, True).next_step == "Allow more seconds with --try-harder-limit, or model larger blocks."
     other = Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step="Look at the scene.")
     assert conclusion([other], None, None, True).next_step == "Look at the scene."
 
