@@ -1,7 +1,7 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, by_layer
+from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, SharedAreas, by_layer
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 from la_core.drawing.remarks import lacking_words, open_words, remarks, unseen_words
 
@@ -13,6 +13,7 @@ __all__ = [
     "LayerCount",
     "OpenOutline",
     "Outline",
+    "SharedAreas",
     "by_layer",
     "cleaned",
     "lacking_words",

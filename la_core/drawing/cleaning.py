@@ -8,9 +8,21 @@ import scipy
 import shapely
 
 from la_core.drawing.curves import Curves
-from la_core.drawing.doubts import areas_without_outline, ends_within, nearly_enclosing, retraced, within
+from la_core.drawing.doubts import ends_within, lost, retraced, shared_areas, within
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, touched
-from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer, end_met, refuse_flat
+from la_core.drawing.outlines import (
+    Drawn,
+    Found,
+    LayerCount,
+    OpenOutline,
+    Outline,
+    SharedAreas,
+    all_but_closed,
+    by_layer,
+    by_places,
+    end_met,
+    refuse_flat,
+)
 from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: least error of coordinates of lines that are meant to meet, whatever the tolerance
@@ -20,6 +32,7 @@ AT_A_TIME = 200  # outlines whose pairs are counted, so that they need little me
 MOST_CUT = 1.1  # of the tolerance times the length of a hull: the area of dents within the tolerance, with a margin
 ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
 FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: outlines of its layer and colour fill it so far, or those of all layers
+BUILT = ("blocks", "ground", "support")  # lists of layers whose outlines become blocks
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
@@ -53,6 +66,8 @@ class Cleaned:
         Those of the idle lines that may be edges of stones: both their ends meet other lines, or nearly do.
     areas : tuple of LayerCount
         Areas without an outline that lines and outlines enclose together.
+    shared : tuple of SharedAreas
+        Areas without an outline that idle lines of several layers or colours enclose together.
     """
 
     outlines: tuple[Outline, ...]
@@ -67,6 +82,7 @@ class Cleaned:
     rests: tuple[tuple[str, np.ndarray], ...] = ()
     edges: tuple[LayerCount, ...] = ()
     areas: tuple[LayerCount, ...] = ()
+    shared: tuple[SharedAreas, ...] = ()
 
     def stray(self, blocks: Sequence[Outline]) -> tuple[LayerCount, ...]:
         """Those of the idle lines, and of the rests of other lines, that lie in blocks, by layer."""
@@ -123,41 +139,17 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
         ]
     clean = tuple(Outline(points, *outlines[k].place) for k, points in zip(order, rings, strict=True))
     counts = int(double.sum()), int(speck.sum()), loose
-    lost = _lost(found, drawn, max(SNAP, tolerance), curves)
-    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), around, by_layer(found.across), idle, tuple(found.rests), *lost)
+    straight_ones, across = int(straight[kept].sum()), by_layer(found.across)
+    built = {place: lines for place, lines in found.idle.items() if list_of(*place) in BUILT}
+    shared = shared_areas(built, found, [outlines[k].points for k in np.flatnonzero(~contour)], max(SNAP, tolerance), curves)
+    edges, areas = lost(found, drawn, [area for _, area in shared], max(SNAP, tolerance), curves)
+    lines = idle, tuple(found.rests)
+    return Cleaned(clean, *counts, open_ones, straight_ones, around, across, *lines, edges, areas, by_places(shared))
 
 
-@dataclass
-class _Found:
-    """What a drawing holds.
-
-    Attributes
-    ----------
-    outlines : list of Outline
-        Outlines that are closed, or that lines enclose.
-    idle : dict
-        Lines that bound no outline, (n, 2) arrays, by layer and colour.
-    around : list of (str, (n, 2) array)
-        Outlines around others, each with its layer.
-    across : list of (str, (n, 2) array)
-        Lines that divide outlines of other layers.
-    again : list of (str, (n, 2) array)
-        Lines that are edges of outlines, drawn again.
-    rests : list of (str, (n, 2) array)
-        Parts of lines that bound nothing, where the rest of the line does.
-    """
-
-    outlines: list[Outline]
-    idle: dict[tuple[str, str], list[np.ndarray]]
-    around: list[tuple[str, np.ndarray]]
-    across: list[tuple[str, np.ndarray]]
-    again: list[tuple[str, np.ndarray]]
-    rests: list[tuple[str, np.ndarray]]
-
-
-def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
+def _found(drawn: Drawn, snap: float, curves: Curves) -> Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
-    found = _Found([end_met(outline, snap) for outline in drawn.outlines], {}, [], [], [], [])
+    found = Found([end_met(outline, snap) for outline in drawn.outlines], {}, [], [], [], [])
     for (layer, colour), of_layer in drawn.lines.items():
         every = of_layer
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
@@ -183,7 +175,7 @@ def _found(drawn: Drawn, snap: float, curves: Curves) -> _Found:
     return _with_lines_of_other_layers(found, snap, curves)
 
 
-def _with_lines_of_other_layers(found: _Found, snap: float, curves: Curves) -> _Found:
+def _with_lines_of_other_layers(found: Found, snap: float, curves: Curves) -> Found:
     """Divide outlines by lines that bound nothing on their own layer: head joints and bed joints often have a layer each."""
     lines = [(place, line) for place, some in found.idle.items() for line in some]
     which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap + curves.sagitta)
@@ -198,27 +190,7 @@ def _with_lines_of_other_layers(found: _Found, snap: float, curves: Curves) -> _
     for j, (place, line) in enumerate(lines):
         if j not in used:
             idle.setdefault(place, []).append(line)
-    return _Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again, found.rests)
-
-
-def _lost(found: _Found, drawn: Drawn, snap: float, curves: Curves) -> tuple[tuple[LayerCount, ...], tuple[LayerCount, ...]]:
-    """Lines and areas that may be edges of stones, and stones, that are lost, unless another remark tells of them."""
-    rings = [outline.points for outline in found.outlines]
-    edges: list[tuple[str, np.ndarray]] = []
-    areas: list[tuple[str, np.ndarray]] = []
-    every = [line for lines in drawn.lines.values() for line in lines]
-    for (layer, colour), lines in drawn.lines.items():
-        idle = found.idle.get((layer, colour), [])
-        told = [line for line in (*idle, *(line for _, line in found.again)) if any(all_but_closed([line], layer))]
-        around = [points for _, points in found.around]
-        alike = [outline.points for outline in found.outlines if outline.place == (layer, colour)]
-        here = areas_without_outline(lines, [*alike, *around, *told], rings, snap, curves) if drawn.outlines else []
-        if not alike:  # dimensions and the like lie on layers without stones
-            continue
-        meets = nearly_enclosing(idle, every, rings, snap) & ~retraced(idle, [*here, *around, *told], 2.0 * snap)
-        edges += [(layer, line) for line, is_told in zip(idle, meets, strict=True) if is_told]
-        areas += [(layer, area) for area in here]
-    return by_layer(edges), by_layer(areas)
+    return Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again, found.rests)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:

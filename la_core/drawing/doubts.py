@@ -1,13 +1,13 @@
 """Lines of a drawing that may be joints or edges of stones, and yet divide and enclose nothing."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import shapely
 
 from la_core.drawing.curves import Curves
 from la_core.drawing.enclosing import enclosed, outline_polygons, share_near, strings_of
-from la_core.drawing.outlines import ALL_BUT_CLOSED
+from la_core.drawing.outlines import ALL_BUT_CLOSED, Drawn, Found, LayerCount, all_but_closed, by_layer
 
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
 LONG_REST = 0.25  # of the root of a block's area: a shorter part of a line that ends within it is a careless end
@@ -61,12 +61,63 @@ def areas_without_outline(
     is_free[tree.query(shapely.point_on_surface(polygons), predicate="within")[0]] = False
     is_free &= ~shapely.is_empty(shapely.buffer(polygons, -2.0 * snap))
     is_free &= shapely.area(polygons) <= shapely.area(outline_polygons(outlines)).max()
-    edges = [np.stack([face, np.roll(face, -1, axis=0)], axis=1) for face in faces]
-    for k in np.flatnonzero(is_free).tolist():
-        sides = strings_of(list(edges[k]))
-        length = shapely.length(sides)
-        is_free[k] = float(share_near(sides, strings_of(lines), 2.0 * snap) @ length) >= LINED * float(length.sum())
-    return [faces[k] for k in np.flatnonzero(is_free)]
+    some = [faces[k] for k in np.flatnonzero(is_free)]
+    lined = _lengths_along(some, lines, snap)
+    return [face for face, length in zip(some, lined, strict=True) if length >= LINED * shapely.LinearRing(face).length]
+
+
+def _lengths_along(areas: Sequence[np.ndarray], lines: Sequence[np.ndarray], snap: float) -> np.ndarray:
+    """Length of the edge of each area (n, 2) that runs along lines (n, 2), to within twice `snap` (m)."""
+    if not areas:
+        return np.zeros(0)
+    sides = strings_of([side for area in areas for side in np.stack([area, np.roll(area, -1, axis=0)], axis=1)])
+    owner = np.repeat(np.arange(len(areas)), [len(area) for area in areas])
+    return np.bincount(owner, share_near(sides, strings_of(lines), 2.0 * snap) * shapely.length(sides))
+
+
+def shared_areas(
+    idle: Mapping[tuple[str, str], list[np.ndarray]], found: Found, outlines: Sequence[np.ndarray], snap: float, curves: Curves
+) -> list[tuple[frozenset[tuple[str, str]], np.ndarray]]:
+    """Areas (n, 2) without an outline that lines of several layers or colours enclose together, each with these layers and colours.
+
+    idle: lines by layer and colour that bound nothing. outlines: (n, 2) arrays, contours aside. snap, curves: as in `enclosed`.
+    """
+    if len(idle) < 2:
+        return []
+    every = [line for lines in idle.values() for line in lines]
+    told = [line for line in every if any(all_but_closed([line], ""))]
+    try:
+        areas = areas_without_outline(every, outlines, [*told, *(points for _, points in found.around)], snap, curves)
+    except ValueError:  # lines that cross each other so often are hatches
+        return []
+    along = {place: _lengths_along(areas, lines, snap) > 4.0 * snap for place, lines in idle.items()}
+    places = [frozenset(place for place, is_along in along.items() if is_along[k]) for k in range(len(areas))]
+    return [(some, area) for some, area in zip(places, areas, strict=True) if len(some) > 1]
+
+
+def lost(
+    found: Found, drawn: Drawn, shared: Sequence[np.ndarray], snap: float, curves: Curves
+) -> tuple[tuple[LayerCount, ...], tuple[LayerCount, ...]]:
+    """Lines and areas that may be edges of stones, and stones, that are lost, unless another remark tells of them.
+
+    shared: areas (n, 2) that lines of several layers enclose together, which have a remark of their own.
+    """
+    rings = [outline.points for outline in found.outlines]
+    edges: list[tuple[str, np.ndarray]] = []
+    areas: list[tuple[str, np.ndarray]] = []
+    every = [line for lines in drawn.lines.values() for line in lines]
+    for (layer, colour), lines in drawn.lines.items():
+        alike = [outline.points for outline in found.outlines if outline.place == (layer, colour)]
+        if not alike:  # dimensions and the like lie on layers without stones
+            continue
+        idle = found.idle.get((layer, colour), [])
+        told = [line for line in (*idle, *(line for _, line in found.again)) if any(all_but_closed([line], layer))]
+        around = [points for _, points in found.around]
+        here = areas_without_outline(lines, [*alike, *around, *told], rings, snap, curves) if drawn.outlines else []
+        meets = nearly_enclosing(idle, every, rings, snap) & ~retraced(idle, [*here, *around, *told, *shared], 2.0 * snap)
+        edges += [(layer, line) for line, is_told in zip(idle, meets, strict=True) if is_told]
+        areas += [(layer, area) for area in here]
+    return by_layer(edges), by_layer(areas)
 
 
 def nearly_enclosing(idle: Sequence[np.ndarray], lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], snap: float) -> np.ndarray:

@@ -80,6 +80,26 @@ class LayerCount:
     z: float
 
 
+@dataclass(frozen=True)
+class SharedAreas:
+    """Areas that lines of several layers or colours enclose together, counted, and where the first one lies.
+
+    Attributes
+    ----------
+    layers : tuple of str
+        Layers of these lines; a single one where they differ in colour alone.
+    count : int
+        Number of areas.
+    x, z : float
+        Middle of the first one, m.
+    """
+
+    layers: tuple[str, ...]
+    count: int
+    x: float
+    z: float
+
+
 @dataclass
 class Drawn:
     """Content of a drawing as it is read, in m.
@@ -139,6 +159,34 @@ class Drawn:
         self.ignored[kind] = self.ignored.get(kind, 0) + 1
 
 
+@dataclass
+class Found:
+    """What a drawing holds.
+
+    Attributes
+    ----------
+    outlines : list of Outline
+        Outlines that are closed, or that lines enclose.
+    idle : dict
+        Lines that bound no outline, (n, 2) arrays, by layer and colour.
+    around : list of (str, (n, 2) array)
+        Outlines around others, each with its layer.
+    across : list of (str, (n, 2) array)
+        Lines that divide outlines of other layers.
+    again : list of (str, (n, 2) array)
+        Lines that are edges of outlines, drawn again.
+    rests : list of (str, (n, 2) array)
+        Parts of lines that bound nothing, where the rest of the line does.
+    """
+
+    outlines: list[Outline]
+    idle: dict[tuple[str, str], list[np.ndarray]]
+    around: list[tuple[str, np.ndarray]]
+    across: list[tuple[str, np.ndarray]]
+    again: list[tuple[str, np.ndarray]]
+    rests: list[tuple[str, np.ndarray]]
+
+
 def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]:
     """Lines or outlines, each a layer and points (n, 2), counted by layer."""
     found: dict[str, LayerCount] = {}
@@ -146,6 +194,17 @@ def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]
         x, z = points.mean(axis=0)
         one = found.get(layer, LayerCount(layer, 0, float(x), float(z)))
         found[layer] = replace(one, count=one.count + 1)
+    return tuple(found.values())
+
+
+def by_places(areas: Iterable[tuple[frozenset[tuple[str, str]], np.ndarray]]) -> tuple[SharedAreas, ...]:
+    """Areas, each the layers and colours of its lines and corners (n, 2), counted by the layers."""
+    found: dict[tuple[str, ...], SharedAreas] = {}
+    for places, points in areas:
+        layers = tuple(sorted({layer for layer, _ in places}))
+        x, z = points.mean(axis=0)
+        one = found.get(layers, SharedAreas(layers, 0, float(x), float(z)))
+        found[layers] = replace(one, count=one.count + 1)
     return tuple(found.values())
 
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 
-from la_core.drawing.outlines import ABSENT, AREAS, CLIPPED, ELSEWHERE, HIDDEN, MISSING, REFERENCE, LayerCount, OpenOutline
+from la_core.drawing.outlines import ABSENT, AREAS, CLIPPED, ELSEWHERE, HIDDEN, MISSING, REFERENCE, LayerCount, OpenOutline, SharedAreas
 from la_core.text_table import number_text, place_text
 
 MOST_NAMED = 3  # open outlines that a sentence names
@@ -17,6 +17,7 @@ def remarks(
     covered: Sequence[LayerCount] = (),
     edges: Sequence[LayerCount] = (),
     areas: Sequence[LayerCount] = (),
+    shared: Sequence[SharedAreas] = (),
 ) -> list[str]:
     """Sentences about a drawing; none for what it does not have.
 
@@ -36,9 +37,11 @@ def remarks(
         Lines that may be edges of stones, and enclose nothing.
     areas : sequence of LayerCount
         Areas that lines and outlines enclose together, and that are no blocks.
+    shared : sequence of SharedAreas
+        Areas that lines of several layers or colours enclose together, and that are no blocks.
     """
     left_out = (_stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
-    told = (open_words(open_outlines), *left_out, _edge_words(edges), _area_words(areas))
+    told = (open_words(open_outlines), *left_out, _edge_words(edges), _area_words(areas), *map(_shared_words, shared))
     return [words for words in told if words]
 
 
@@ -128,6 +131,17 @@ def _area_words(areas: Sequence[LayerCount]) -> str:
         return ""
     are, block = ("is", "is no block") if _is_one(areas) else ("are", "are no blocks")
     return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; close the outline of what is a stone"
+
+
+def _shared_words(areas: SharedAreas) -> str:
+    *rest, last = map(_quoted, areas.layers)
+    whose = f"layers {', '.join(rest)} and {last}" if rest else f"several colours on layer {last}"
+    place = place_text((areas.x, areas.z))
+    what, are, them = (f"1 area (near {place}) is", "is no block", "it is a stone")
+    if areas.count > 1:
+        what, are, them = (f"{areas.count} areas (the first near {place}) are", "are no blocks", "they are stones")
+    hint = "draw these lines on one layer and in one colour; a layer without joints belongs in `ignore`"
+    return f"{what} enclosed by lines of {whose} together, but {are}; where {them}, {hint}"
 
 
 def _is_one(some: Sequence[LayerCount]) -> bool:

@@ -162,7 +162,8 @@ def _doubt(clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     """Comments on what is open, divides nothing or lies around others, and on what the drawing hides or does not hold."""
-    told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across, edges=clean.edges, areas=clean.areas)
+    left_out = clean.stray(blocks), clean.around, clean.across
+    told = remarks(clean.open_outlines, *left_out, edges=clean.edges, areas=clean.areas, shared=clean.shared)
     return [f"# CHECK: {words}" for words in (*told, *unseen_words(drawn.ignored))]
 
 

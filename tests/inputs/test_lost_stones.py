@@ -11,7 +11,7 @@ import shapely
 
 import la_core
 from la_core.drawing import cleaned, read_outlines
-from la_core.scene import Scene
+from la_core.scene import Scene, scene_from_file
 
 GRAVITY, DENSITY, THICKNESS = 9.81, 2000.0, 0.5
 GROUND = '<g id="ground"><rect x="-0.5" y="0" width="5" height="0.5"/></g>'
@@ -162,6 +162,54 @@ def test_a_joint_that_stops_within_a_block_is_told_although_it_divides_others(st
     scene = scene_of(tmp_path, box(0, 0, 4, 2) + line((0, 1), (stop, 1)) + line((2.5, 0), (2.5, 2)))
     assert int(scene.blocks.free.sum()) == (3 if lines else 4)
     assert len(told(scene)) == lines and all("1 line" in words and "lies within a block" in words for words in told(scene))
+
+
+JOINTS = {  # of three stones on the box below them: bed joints, and head joints
+    "bed": line((0, 2), (3, 2)) + line((0, 3), (3, 3)),
+    "head": "".join(line((x, 1), (x, 2)) for x in (0, 1.5, 3)) + line((0, 2), (0, 3)) + line((3, 2), (3, 3)),
+}
+BELOW = box(0, 0, 1.5, 1) + box(1.5, 0, 3, 1) + box(3, 0, 4.5, 1)
+
+DIMENSION = line((0, 1), (0, 1.4)) + line((1.5, 1), (1.5, 1.4)) + line((0, 1.3), (1.5, 1.3))
+ACROSS = np.linspace(1.1, 2.9, 700)
+
+
+def on_layers(**layers: str) -> str:
+    return "".join(f'<g id="{name}" stroke="red" fill="none">{lines}</g>' for name, lines in layers.items())
+
+
+@pytest.mark.parametrize(
+    ("layers", "whose"),
+    [
+        (on_layers(**JOINTS), 'layers "bed" and "head"'),
+        (on_layers(j=JOINTS["bed"] + JOINTS["head"].replace("<polyline", '<polyline stroke="blue"')), 'several colours on layer "j"'),
+    ],
+)
+def test_stones_between_lines_of_two_layers_are_told(layers: str, whose: str, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, BELOW, ground=GROUND + layers)
+    (words,) = told(scene)
+    assert (
+        int(scene.blocks.free.sum()) == 3 and f"2 areas (the first near (0.75, 1.5) m) are enclosed by lines of {whose} together" in words
+    )
+    assert "draw these lines on one layer and in one colour" in words and "`ignore`" in words
+    comments = scene_from_file(tmp_path / "wall.svg", tmp_path)
+    assert f"enclosed by lines of {whose} together" in comments
+
+
+@pytest.mark.parametrize(
+    ("layers", "keys"),
+    [
+        (on_layers(j=JOINTS["bed"] + JOINTS["head"]), ""),  # they are stones
+        (on_layers(**JOINTS), 'ignore = ["head"]\n'),
+        (on_layers(**JOINTS), 'blocks = ["b"]\n'),
+        (on_layers(**JOINTS, void=box(0, 1, 3, 3)), 'openings = ["void"]\n'),
+        (on_layers(bed=line((0, 2), (3, 2)), head=line((1, 1), (1, 2))), ""),  # an axis and a dimension that enclose nothing
+        (on_layers(dim=DIMENSION, axis=line((0.7, 0.9), (0.7, 1.2))), ""),
+        (on_layers(a="".join(line((0, z), (3, z)) for z in ACROSS), c="".join(line((x, 1), (x, 3)) for x in ACROSS)), ""),  # hatches
+    ],
+)  # fmt: skip
+def test_lines_of_two_layers_without_a_lost_stone_are_not_told(layers: str, keys: str, tmp_path: Path) -> None:
+    assert not [words for words in told(scene_of(tmp_path, BELOW, ground=GROUND + layers, keys=keys)) if "together" in words]
 
 
 def outline_of(document: ezdxf.document.Drawing) -> shapely.Polygon:

@@ -17,6 +17,7 @@ from la_core.drawing import (
     LayerCount,
     OpenOutline,
     Outline,
+    SharedAreas,
     by_layer,
     cleaned,
     lacking_words,
@@ -71,6 +72,8 @@ class DrawnBlocks:
         Those of the loose lines that may be edges of stones: both their ends meet other lines, or nearly do.
     areas_without_block : tuple of LayerCount
         Areas that lines and outlines enclose together, and that are no blocks.
+    shared_areas : tuple of SharedAreas
+        Areas that lines of several layers or colours enclose together, and that are no blocks.
     """
 
     file: str
@@ -91,6 +94,7 @@ class DrawnBlocks:
     ignored: dict[str, int]
     loose_edges: tuple[LayerCount, ...] = ()
     areas_without_block: tuple[LayerCount, ...] = ()
+    shared_areas: tuple[SharedAreas, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain values."""
@@ -99,7 +103,7 @@ class DrawnBlocks:
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what may be read in another way than it is meant, see `remarks`, and on what the file does not hold."""
         left_out = (self.stray_lines, self.around, self.across, self.covered)
-        told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block)
+        told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block, self.shared_areas)
         return tuple(f'drawing "{self.file}": {words}.' for words in (*told, *lacking_words(self.ignored)))
 
 
@@ -153,7 +157,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
     stray = clean.stray([outline for outline, _ in built])
     left_out = (_shifted(some, table) for some in (clean.open_outlines, stray, clean.around, clean.across, covered))
-    lost = (_shifted(some, table) for some in (clean.edges, clean.areas))
+    lost = (_shifted(some, table) for some in (clean.edges, clean.areas, clean.shared))
     found: tuple[Any, ...] = (table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, *left_out, drawn.ignored, *lost)
     return shapes, DrawnBlocks(*found)
 
