@@ -114,15 +114,13 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     open_ones = tuple(one for layer, line in (*idle, *found.again) for one in all_but_closed([line], layer))
     loose = len(idle) + len(found.again)
     refuse_flat([outline.points for outline in outlines], [line for _, line in idle])
+    found.outlines, polygons, flat = _with_area(outlines, tolerance)
+    outlines = found.outlines
     if not outlines:
-        return Cleaned((), 0, 0, loose, open_ones, 0, by_layer(found.around), (), idle)
-    polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
-    crossed = ~shapely.is_valid(polygons)
-    if crossed.any():
-        raise ValueError(f"{_place(outlines[int(np.argmax(crossed))])}: the outline crosses itself")
+        return Cleaned((), 0, flat, loose, open_ones, 0, by_layer(found.around), (), idle)
     _refuse_a_heap(polygons)
     area = shapely.area(polygons)
-    speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
+    speck = area <= _least(area, tolerance)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
     lists = np.array([list_of(*outline.place) for outline in outlines])
@@ -138,7 +136,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
             shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
         ]
     clean = tuple(Outline(points, *outlines[k].place) for k, points in zip(order, rings, strict=True))
-    counts = int(double.sum()), int(speck.sum()), loose
+    counts = int(double.sum()), flat + int(speck.sum()), loose
     straight_ones, across = int(straight[kept].sum()), by_layer(found.across)
     built = {place: lines for place, lines in found.idle.items() if list_of(*place) in BUILT}
     shared = shared_areas(built, found, [outlines[k].points for k in np.flatnonzero(~contour)], max(SNAP, tolerance), curves)
@@ -191,6 +189,29 @@ def _with_lines_of_other_layers(found: Found, snap: float, curves: Curves) -> Fo
         if j not in used:
             idle.setdefault(place, []).append(line)
     return Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again, found.rests)
+
+
+def _with_area(outlines: Sequence[Outline], tolerance: float) -> tuple[list[Outline], np.ndarray, int]:
+    """The outlines but for those that run to and fro without an area, their simplified polygons, and the number of those left out.
+
+    Raises ValueError for another outline that crosses itself.
+    """
+    if not outlines:
+        return [], np.zeros(0, dtype=object), 0
+    polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
+    crossed = ~shapely.is_valid(polygons)
+    area = shapely.area(polygons)
+    area[crossed] = shapely.area(shapely.make_valid(polygons[crossed]))  # both loops of a figure of eight count
+    flat = crossed & (area <= _least(area, tolerance))
+    if (crossed & ~flat).any():
+        where = _place(outlines[int(np.argmax(crossed & ~flat))])
+        raise ValueError(f"{where}: the outline crosses itself; correct it, or list its layer in `ignore`")
+    return [outline for outline, is_flat in zip(outlines, flat, strict=True) if not is_flat], polygons[~flat], int(flat.sum())
+
+
+def _least(area: np.ndarray, tolerance: float) -> float:
+    """Area up to which an outline is a slip of the pen, m2, from those of all outlines."""
+    return max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:

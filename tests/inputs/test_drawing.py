@@ -191,12 +191,18 @@ REFUSED = {
     ),
     "loose lines": (dxf([drawn.line((0, 0), (1, 1), "A")]), {}, "holds no closed outline; it has 1 lines that enclose nothing"),
     "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
-    "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself'),
+    "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself; correct it, or list'),
     "crossing far away": (dxf([polyline([(x + 45e6, z) for x, z in CROSSED], "A")]), {}, 'near (45000.5, 0.25) m: the outline'),
     "copies of nothing": (dxf([insert("B", (0, 0), "A", 32_000, 1.0)] * 20, blocks={"B": ""}), {}, "has more than 500000 entities, copies"),
     "circle of the world": (dxf([WORLD]), {}, "holds a CIRCLE larger than 1e+12 units"),
     "insert of itself": (dxf([insert("B", (0, 0), "A")], blocks={"B": insert("B", (1, 1), "0")}), {}, 'drawing "wall.dxf": '),
 }  # fmt: skip
+WITHOUT_AREA = {
+    "no width": [(1000, 0), (1000, 0), (1000, 500), (1000, 500)],
+    "no height": [(0, 500), (700, 500), (1000, 500)],
+    "to and fro": [(0, 500), (1000, 500), (300, 500), (700, 500)],
+    "a spike with a bend": [(0, 500), (300, 700), (300, 900), (300, 700)],
+}
 REFUSED_SVG = {
     "not XML": (b"hello", "is not a whole SVG file"),
     "another XML": (b"<html/>", "is not an SVG file: its first element is <html>"),
@@ -207,6 +213,22 @@ REFUSED_SVG = {
     "path of letters": (b'<svg width="1mm"><path d="L 1 2"/></svg>', "has a path that does not begin with M"),
     "no number": (b'<svg width="1mm"><rect width="wide"/></svg>', 'width = "wide", which is no number'),
 }
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.003])
+@pytest.mark.parametrize("name", WITHOUT_AREA)
+def test_an_outline_without_area_is_dropped_and_counted(name: str, tolerance: float | None, tmp_path: Path) -> None:
+    """It would be refused as one that crosses itself."""
+    content = dxf([polyline(SQUARE, "A"), polyline(WITHOUT_AREA[name], "A"), polyline(BASE, "GROUND")])
+    tables = {"geometry": {"tolerance": tolerance}} if tolerance else {}
+    scene = scene_of(tmp_path, content, tables=tables, ground=["GROUND"])
+    assert areas(scene) == pytest.approx([0.1, 0.5], rel=1e-9) and scene.drawn[0].specks == 1
+    assert 'outlines on each layer: "A" 1' in scene_from_file(tmp_path / "wall.dxf", tmp_path)
+
+
+def test_a_drawing_of_outlines_without_area_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="holds no closed outline; 1 outline is thinner than the tolerance"):
+        scene_of(tmp_path, dxf([polyline(WITHOUT_AREA["a spike with a bend"], "A")]))
 
 
 @pytest.mark.parametrize("name", REFUSED)

@@ -168,9 +168,8 @@ def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
         return open_words(clean.open_outlines)
     if clean.specks:
         one = f"one unit of the file is {drawn.unit:g} m"
-        return (
-            f"{clean.specks} outlines are thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
-        )
+        what = "1 outline is" if clean.specks == 1 else f"{clean.specks} outlines are"
+        return f"{what} thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
     unread = ", ".join(f"{count} {kind}" for kind, count in drawn.ignored.items())
     if not (drawn.outlines or drawn.lines or unread):
         return "nothing is drawn in it; make sure that the file is whole, and save it again"
