@@ -88,7 +88,8 @@ def scene_from_file(source: Path, folder: Path) -> str:
 def _drawing_text(source: Path, place: PurePosixPath) -> str:
     unit, doubt, drawn, clean, lists = _in_a_likely_unit(source)
     if not clean.outlines:
-        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn))
+        words = f"layers that are left out because of their names: {', '.join(lists['ignore'])}; rename those of blocks"
+        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn, words if lists["ignore"] else ""))
     joints, held = _joint_width(clean), lists["ground"] + lists["support"]
     blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]

@@ -14,7 +14,7 @@ from la_core.exchange import FREE, SETTINGS, broken_rule
 from la_core.geometry import ROLES, Blocks, shapes
 from la_core.repair import Repairs, close_joints, without_bent_faces
 from la_core.scene.generators import arches, building, dome, rubble, wall
-from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing
+from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing, why_none_is_free
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.line_numbers import KeyPath, with_lines
@@ -125,7 +125,7 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
     yield from _faults_of_names(tables)
     roles = {one.role for one in tables.named}
     if "free" not in roles:
-        yield ("block",), str(SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"'))
+        yield ("block",), str(SceneError("block", "no block is free, so there is no structure", hint=_why_none_is_free(tables, file)))
     if file.settlement and "support" not in roles:
         yield ("settlement",), str(SceneError("settlement", "no block has the role of support", hint=WHERE_A_SUPPORT_IS))
     driven = next(name for name in ("settlement", "live", "tilt") if getattr(file, name) is not None)
@@ -149,6 +149,12 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
         yield ("yade", "time_step_share"), str(SceneError("yade.time_step_share", rule, value=share))
     yield from faults_of_tilt(file)
     yield from _faults_of_density(tables, file)
+
+
+def _why_none_is_free(tables: Tables, file: scene_file.SceneFile) -> str:
+    """What to do where no block is free: what each drawing says, or else to type one."""
+    drawings = zip(file.drawing, tables.files[len(tables.files) - len(file.drawing) :], strict=True)
+    return "; ".join(why_none_is_free(*one, file.geometry.tolerance or 0.0) for one in drawings) or 'give a [[block]] the role "free"'
 
 
 def _faults_of_density(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:

@@ -280,6 +280,49 @@ def test_a_vast_circle_has_no_more_chords_than_memory_holds(tmp_path: Path) -> N
     assert 100 < len(found.outlines[0].points) < 100_000
 
 
+ON_TWO_LAYERS = [drawn.line((0, z), (1000, z), "BED") for z in (0, 500)] + [drawn.line((x, 0), (x, 500), "HEAD") for x in (0, 1000)]
+ALL_TAKEN = "list layers of free blocks in `blocks` alone"
+NONE_FREE = {  # entities, keys of the drawing, and what is said
+    "lines on two layers": (
+        ON_TWO_LAYERS,
+        {"ground": ["GROUND"]},
+        'block: no block is free, so there is no structure; drawing "wall.dxf": it has 4 lines that enclose nothing; '
+        f"lines enclose blocks together on one layer, and these are on BED, HEAD; `ground` takes 1 outline: {ALL_TAKEN}",
+    ),
+    "openings": (
+        [polyline(SQUARE, "A"), polyline(ABOVE, "A")],
+        {"ground": ["GROUND"], "openings": ["A"]},
+        f'so there is no structure; drawing "wall.dxf": `openings` takes 2 outlines, `ground` takes 1 outline: {ALL_TAKEN}',
+    ),
+    "all ignored": (
+        [polyline(SQUARE, "A"), *ON_TWO_LAYERS],
+        {"ignore": ["*"]},
+        f'drawing "wall.dxf": holds no outline of a block; `ignore` takes 2 outlines and 4 lines: {ALL_TAKEN}',
+    ),
+    "not named by `blocks`": (
+        [polyline(SQUARE, "A")],
+        {"ground": ["GROUND"], "blocks": ["GROUND*"]},
+        f"`blocks` does not name the layer of 1 outline, `ground` takes 1 outline: {ALL_TAKEN}",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NONE_FREE)
+def test_a_drawing_without_a_free_block_says_what_became_of_its_outlines(name: str, tmp_path: Path) -> None:
+    entities, keys, words = NONE_FREE[name]
+    with pytest.raises(SceneError) as error:
+        scene_of(tmp_path, dxf([*entities, polyline(BASE, "GROUND")]), **keys)
+    assert str(error.value).endswith(words)
+
+
+def test_layers_that_are_left_out_because_of_their_names_are_named(tmp_path: Path) -> None:
+    (tmp_path / "wall.dxf").write_bytes(dxf([polyline(SQUARE, "TEXT"), polyline(ABOVE, "AXIS 2")]))
+    with pytest.raises(SceneError) as error:
+        scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    left_out = "layers that are left out because of their names: AXIS 2, TEXT; rename those of blocks"
+    assert str(error.value).endswith(f"wall.dxf: holds no closed outline; {left_out}")
+
+
 @pytest.mark.parametrize("name", REFUSED_SVG)
 def test_a_bad_svg_is_refused_in_words(name: str, tmp_path: Path) -> None:
     content, words = REFUSED_SVG[name]

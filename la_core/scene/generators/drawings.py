@@ -132,15 +132,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
 
     tolerance: largest error of the coordinates, m; 0 for none.
     """
-    suffix = file.path.suffix.lower()
-    if suffix == ".dxf" and importlib.util.find_spec("ezdxf") is None:
-        raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
-    try:
-        drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta, table.scale)
-        _refuse_unmatched(table, drawn.places)
-        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _list_of(table, place))
-    except ValueError as error:
-        raise SceneError(_at(table), str(error)) from error
+    drawn, clean = _read(table, file, tolerance)
     lists = [_list_of(table, outline.place) for outline in clean.outlines]
     opened = [outline for outline, place in zip(clean.outlines, lists, strict=True) if place == "openings"]
     built = [(outline, ROLES_OF[place]) for outline, place in zip(clean.outlines, lists, strict=True) if place in ROLES_OF]
@@ -148,8 +140,9 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     built = [one for one, is_outside in zip(built, outside, strict=True) if is_outside]
     covered = _covered(table, [outline for outline, _ in built], opened)
     if not built:
-        rule = "holds no closed outline" if not clean.outlines else "holds no outline of a block"
-        raise SceneError(_at(table), rule, hint=nothing_found(clean, drawn))
+        taken = _taken_words(table, drawn)
+        rule = "holds no outline of a block" if clean.outlines or taken else "holds no closed outline"
+        raise SceneError(_at(table), rule, hint=nothing_found(clean, drawn, taken))
     if len(built) > MOST_BLOCKS:
         raise SceneError(_at(table), f"holds {len(built)} outlines; at most {MOST_BLOCKS} are allowed")
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
@@ -162,11 +155,33 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     return shapes, DrawnBlocks(*found)
 
 
-def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
-    """Why a drawing holds no outline of a block: what is open, what encloses nothing, and what was not read."""
+def _read(table: Drawing, file: MeshFile, tolerance: float) -> tuple[Drawn, Cleaned]:
+    """The content of a drawing, and its cleaned outlines without those of layers in `ignore`."""
+    suffix = file.path.suffix.lower()
+    if suffix == ".dxf" and importlib.util.find_spec("ezdxf") is None:
+        raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
+    try:
+        drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta, table.scale)
+        _refuse_unmatched(table, drawn.places)
+        return drawn, cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _list_of(table, place))
+    except ValueError as error:
+        raise SceneError(_at(table), str(error)) from error
+
+
+def why_none_is_free(table: Drawing, file: MeshFile, tolerance: float) -> str:
+    """Why a drawing that can be read holds no free block, as a hint; parameters as of `drawing_blocks`."""
+    drawn, clean = _read(table, file, tolerance)
+    return f"{_at(table)}: {nothing_found(clean, drawn, _taken_words(table, drawn))}"
+
+
+def nothing_found(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
+    """Why a drawing holds no outline of a block: what is open, what encloses nothing, what lists take, and what was not read.
+
+    taken: words for what lists take, "" for nothing.
+    """
     if clean.open_outlines:
         return open_words(clean.open_outlines)
-    if clean.specks:
+    if clean.specks and not (clean.outlines or taken):
         one = f"one unit of the file is {drawn.unit:g} m"
         what = "1 outline is" if clean.specks == 1 else f"{clean.specks} outlines are"
         return f"{what} thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
@@ -175,7 +190,21 @@ def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
         return "nothing is drawn in it; make sure that the file is whole, and save it again"
     layers = sorted({layer for layer, _ in clean.idle})
     apart = f"; lines enclose blocks together on one layer, and these are on {', '.join(layers)}" if len(layers) > 1 else ""
-    return f"it has {len(clean.idle)} lines that enclose nothing{apart}" + (f"; not read: {unread}" if unread else "")
+    idle = f"it has {len(clean.idle)} lines that enclose nothing{apart}" if clean.idle or not taken else ""
+    return "; ".join(words for words in (idle, taken, f"not read: {unread}" if unread else "") if words)
+
+
+def _taken_words(table: Drawing, drawn: Drawn) -> str:
+    """How many outlines and lines the lists take that hold no free blocks; "" where they take none."""
+    told = []
+    named = {place: next((key for key in LISTS if _names(getattr(table, key), place)), "") for place in drawn.places}
+    for key in ("", *LISTS[:-1]) if table.blocks else LISTS[:-1]:  # "" for what no list names
+        outlines = sum(named[outline.place] == key for outline in drawn.outlines)
+        lines = sum(len(some) for place, some in drawn.lines.items() if named[place] == key)
+        counted = ((outlines, "outline"), (lines, "line"))
+        if what := " and ".join(f"{count} {word}{'s' * (count > 1)}" for count, word in counted if count):
+            told.append(f"`{key}` takes {what}" if key else f"`blocks` does not name the layer of {what}")
+    return f"{', '.join(told)}: list layers of free blocks in `blocks` alone" if told else ""
 
 
 def _shifted(left_out: tuple[Any, ...], table: Drawing) -> tuple[Any, ...]:
