@@ -18,6 +18,7 @@ from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_f
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
+from la_core.text_table import number_text
 
 SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
 WORDS = {  # patterns for one word of a layer's or a body's name, for each list; the first list counts
@@ -158,7 +159,7 @@ def _doubt(clean: Cleaned) -> str:
     if SHORTEST <= size <= SIZE[1]:
         return ""
     more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale 1 : 50 needs scale = 50"
-    return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m {more}"
+    return f"  # CHECK: the file says it, and most blocks are then {number_text(size, 3)} m {more}"
 
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
@@ -253,7 +254,7 @@ def _near_the_origin(points: np.ndarray, key: str) -> tuple[np.ndarray, np.ndarr
     if np.abs(points).max() <= FARTHEST:
         return low, high, []
     shift = -np.round(low)
-    row = f"{key} = [{', '.join(f'{part:.0f}' for part in shift)}]   # m, from the grid of the survey to the origin"
+    row = f"{key} = [{', '.join(f'{part + 0.0:.0f}' for part in shift)}]   # m, from the grid of the survey to the origin"
     return low + shift, high + shift, [row]
 
 

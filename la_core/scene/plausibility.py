@@ -13,7 +13,7 @@ from la_core.scene.loads.plausibility import FRICTION
 from la_core.scene.schema.drawing import MOST_TOLERANCE
 from la_core.scene.schema.masonry import SIDES
 from la_core.scene.schema.scene_file import SceneFile
-from la_core.text_table import place_text
+from la_core.text_table import number_text, place_text
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
 RADIANS = 3.1416  # degrees: no arch is as flat as this; half a turn in radians
@@ -170,7 +170,7 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
         yield f"{_named(blocks, long)} longer than {high:g} m (up to {extent[long].max():.4g} m); coordinates are in metres."
     if len(thin):
         least = 1e3 * extent[thin].min()
-        yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
+        yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {number_text(least, 3)} mm); coordinates are in metres."
 
 
 def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator[str]:
@@ -180,7 +180,7 @@ def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator
         return
     closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than what has left these gaps
     pairs = [
-        f'"{blocks.names[a]}" and "{blocks.names[b]}" across {1e3 * gap:.2g} mm'
+        f'"{blocks.names[a]}" and "{blocks.names[b]}" across {number_text(1e3 * gap, 2)} mm'
         for (a, b), gap in zip(missed.pairs, missed.gap, strict=True)
     ]
     named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
@@ -206,11 +206,17 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
 
 
 def _of_unclosed(repairs: Repairs | None) -> Iterator[str]:
-    """Yield a warning on the places that the tolerance of the geometry, or open joints of a drawing, leave open."""
-    if repairs is None or not repairs.unclosed:
+    """Yield a warning on the places that the tolerance of the geometry, or open joints of a drawing, leave open.
+
+    An overlap too deep to be cut is no open place: blocks that overlap are refused with a message of their own.
+    """
+    if repairs is None:
         return
-    some = sorted(repairs.unclosed, key=lambda one: -abs(one.gap))
-    named = ", ".join(f'"{one.blocks[0]}" and "{one.blocks[1]}" across {1e3 * abs(one.gap):.2g} mm' for one in some[:NAMED])
+    deepest = 2.0 * repairs.tolerance + repairs.joint_width
+    some = sorted((one for one in repairs.unclosed if one.gap >= -deepest), key=lambda one: -abs(one.gap))
+    if not some:
+        return
+    named = ", ".join(f'"{one.blocks[0]}" and "{one.blocks[1]}" across {number_text(1e3 * abs(one.gap), 2)} mm' for one in some[:NAMED])
     count = "1 place is" if len(some) == 1 else f"{len(some)} places are"
     yield f"{count} not closed ({named}{', ...' if len(some) > NAMED else ''}), so a joint may be missing; `crosscheck show` marks them."
 

@@ -22,7 +22,7 @@ from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.support_motion import faults_of_settlement, own_twists, support_twists
 from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
-from la_core.scene.scene_blocks import Tables, checked_blocks
+from la_core.scene.scene_blocks import Tables, checked_blocks, where_drawn
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.loads import JointFriction
 from la_core.scene.schema.motion import support_twist, unit_vector
@@ -156,7 +156,7 @@ class Scene(Tabled, Held):
             counted = self.text if reading.read_text(self.path) == self.text else ""
         except SceneError:  # a scene that was made in code has no file
             counted = ""
-        found = with_lines(error, counted, self.blocks.names, self.places)
+        found = with_lines(where_drawn(error, self.blocks, self.places), counted, self.blocks.names, self.places)
         return SceneError.told(f"{self.path if self.path.exists() else self.name}: {found}", found)
 
     @property

@@ -1,6 +1,6 @@
 """Blocks of all tables of a scene file, checked against each other, and the repair of their geometry within its tolerance."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -14,7 +14,7 @@ from la_core.exchange import FREE, SETTINGS, broken_rule
 from la_core.geometry import ROLES, Blocks, shapes
 from la_core.repair import Repairs, close_joints, without_bent_faces
 from la_core.scene.generators import arches, building, dome, rubble, wall
-from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing, why_none_is_free
+from la_core.scene.generators.drawings import LAYER, DrawnBlocks, drawing_blocks, read_drawing, why_none_is_free
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.line_numbers import KeyPath, with_lines
@@ -22,6 +22,7 @@ from la_core.scene.loads.tilt import faults_of_tilt
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import Fault, joined
+from la_core.text_table import place_text
 
 LEAST_TOLERANCE = 1e-4  # m: where open joints are closed without a stated tolerance
 WHERE_A_SUPPORT_IS = (
@@ -185,6 +186,20 @@ def checked_blocks(
     stones = densities(named, file)
     blocks, floor_mass = gathered(named, stones)
     return blocks, stones, floor_mass, repairs
+
+
+def where_drawn(error: SceneError, blocks: Blocks, places: Sequence[KeyPath]) -> SceneError:
+    """An error of blocks with its first spot, and with their layers, where it has a spot and all of them come from drawings.
+
+    places: table of each block.
+    """
+    at_fault = [k for k, name in enumerate(blocks.names) if name in error.blocks]
+    if not (error.spots and error.where.startswith("block") and all(places[k][0] == "drawing" for k in at_fault)):
+        return error
+    layers = dict.fromkeys(f'"{group.removeprefix(LAYER)}"' for k in at_fault for group in blocks.groups[k] if group.startswith(LAYER))
+    x, _, z = error.spots[0]
+    where = f"near {place_text((x, z))}, on layer {' and '.join(layers)} of the drawing"
+    return SceneError.told(f"{error}; {where}: correct the outlines there, or list a layer without blocks in `ignore`", error)
 
 
 def densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:

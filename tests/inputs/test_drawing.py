@@ -323,6 +323,20 @@ def test_layers_that_are_left_out_because_of_their_names_are_named(tmp_path: Pat
     assert str(error.value).endswith(f"wall.dxf: holds no closed outline; {left_out}")
 
 
+@pytest.mark.parametrize("other", ["A", "B"])
+def test_an_overlap_is_named_with_its_place_and_its_layers_and_is_no_open_joint(other: str, tmp_path: Path) -> None:
+    above = [(x + 250, z - 100) for x, z in ABOVE]
+    content = dxf([polyline(SQUARE, "A"), polyline(above, other), polyline(BASE, "GROUND")])
+    scene = scene_of(tmp_path, content, tables={"geometry": {"tolerance": 0.003}}, ground=["GROUND"], shift=[10.0, 0.0])
+    assert not [words for words in scene.warnings if "not closed" in words]
+    with pytest.raises(SceneError, match="overlap by about") as error:
+        structural_model(scene)
+    layers = '"A"' if other == "A" else '"A" and "B"'
+    hint = "correct the outlines there, or list a layer without blocks in `ignore`"
+    assert "overlap by about 0.1 m; blocks may touch but not share volume; near (10." in str(error.value)
+    assert str(error.value).endswith(f", 0.45) m, on layer {layers} of the drawing: {hint}")
+
+
 @pytest.mark.parametrize("name", REFUSED_SVG)
 def test_a_bad_svg_is_refused_in_words(name: str, tmp_path: Path) -> None:
     content, words = REFUSED_SVG[name]

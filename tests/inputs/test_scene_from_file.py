@@ -214,3 +214,10 @@ def test_a_unit_in_which_no_outline_is_a_block_is_not_believed(said: int, tmp_pa
         SceneError, match=r"4 outlines are thinner than the tolerance, where one unit of the file is .* m; state another `unit`"
     ):
         load_scene(tmp_path / "own.toml")
+
+
+def test_numbers_of_a_large_drawing_far_away_are_written_in_full(tmp_path: Path) -> None:
+    stone = [(0, -2_000_000), (1_000_000, -2_000_000), (1_000_000, -1_999_000), (0, -1_999_000)]
+    (tmp_path / "wall.dxf").write_bytes(dxf([polyline(stone, "A")]))
+    text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    assert "most blocks are then 1000 m long or more" in text and "shift     = [0, 2000]" in text
