@@ -2,11 +2,12 @@
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
 from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, SharedAreas, by_layer
-from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
-from la_core.drawing.remarks import lacking_words, open_words, remarks, unseen_words
+from la_core.drawing.reading import DRAWING_FORMATS, OF_PDF, read_outlines
+from la_core.drawing.remarks import lacking_words, open_words, remarks, unread_words, unseen_words
 
 __all__ = [
     "DRAWING_FORMATS",
+    "OF_PDF",
     "UNITS",
     "Cleaned",
     "Drawn",
@@ -21,5 +22,6 @@ __all__ = [
     "read_outlines",
     "remarks",
     "straightened",
+    "unread_words",
     "unseen_words",
 ]

@@ -54,12 +54,14 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
 
     try:
         document, auditor = recover.read(io.BytesIO(content))
-        paper = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
+        code = int(document.header.get("$INSUNITS", 0))
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"is not a whole DXF file: {_words(error)}; save it again in a CAD program") from error
     _refuse_damage(auditor)
+    paper = unit or INSERT_UNITS.get(code)
     if paper is None:
-        raise ValueError('does not say its unit; state it: unit = "mm"')
+        fault = f"has an unknown code for its unit ($INSUNITS = {code})" if code else "does not say its unit"
+        raise ValueError(f'{fault}; state it: unit = "mm"')
     metres = paper * scale
     drawn = Drawn(metres)
     for kind, count in _out_of_reach(document, auditor).items():

@@ -14,6 +14,7 @@ MISSING = "inserts of missing blocks"  # kind of inserts of blocks that the file
 ABSENT = "use"  # kind of copies in an SVG file of what it does not hold
 REFERENCE = "refX or refY of symbols"  # kind of copies in an SVG file that such a point would move
 AREAS = ("REGION", "MPOLYGON", "MLINE", "TRACE", "3DFACE")  # kinds of a DXF file that are not read, and may be stones
+FILLINGS = ("HATCH", "SOLID")  # kinds that are not read, and fill areas: seldom are they the stones themselves
 ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
 

@@ -3,7 +3,19 @@
 import json
 from collections.abc import Mapping, Sequence
 
-from la_core.drawing.outlines import ABSENT, AREAS, CLIPPED, ELSEWHERE, HIDDEN, MISSING, REFERENCE, LayerCount, OpenOutline, SharedAreas
+from la_core.drawing.outlines import (
+    ABSENT,
+    AREAS,
+    CLIPPED,
+    ELSEWHERE,
+    FILLINGS,
+    HIDDEN,
+    MISSING,
+    REFERENCE,
+    LayerCount,
+    OpenOutline,
+    SharedAreas,
+)
 from la_core.text_table import number_text, place_text
 
 MOST_NAMED = 3  # open outlines that a sentence names
@@ -70,6 +82,14 @@ def lacking_words(ignored: Mapping[str, int]) -> list[str]:
     if areas := ", ".join(f"{ignored[kind]} {kind}" for kind in AREAS if kind in ignored):
         told.append(f"entities that may be stones are not read ({areas}); where they are, draw them as closed polylines")
     return told
+
+
+def unread_words(ignored: Mapping[str, int]) -> str:
+    """What is not read of a drawing that holds no block, and what to do where it has areas; "" for nothing; parameter as above."""
+    if not ignored:
+        return ""
+    hint = "; where these are stones, draw them as closed polylines" if any(kind in ignored for kind in (*AREAS, *FILLINGS)) else ""
+    return f"not read: {', '.join(f'{count} {kind}' for kind, count in ignored.items())}{hint}"
 
 
 def open_words(outlines: Sequence[OpenOutline]) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words
+from la_core.drawing import DRAWING_FORMATS, OF_PDF, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words
 from la_core.errors import SceneError, extra_hint, printable_name
 from la_core.scene.generators.drawings import nothing_found
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
@@ -83,7 +83,8 @@ def scene_from_file(source: Path, folder: Path) -> str:
     if suffix in FORMATS or source.is_dir():
         return _mesh_text(place, folder)
     known = ", ".join(SOURCE_FORMATS)
-    raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=f"files end in {known}; DWG must be saved as DXF")
+    hint = OF_PDF if suffix == ".pdf" else f"files end in {known}; DWG must be saved as DXF"
+    raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=hint)
 
 
 def _drawing_text(source: Path, place: PurePosixPath) -> str:
@@ -110,10 +111,10 @@ def _in_a_likely_unit(source: Path) -> tuple[str, str, Drawn, Cleaned, dict[str,
     if source.suffix.lower() == ".dxf" and importlib.util.find_spec("ezdxf") is None:
         raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
     try:
-        unit, said = _unit(source.suffix, content)
+        unit, unsaid = _unit(source.suffix, content)
         drawn, clean, lists = _read(source.suffix, content, unit)
-        doubt = "" if said else "  # CHECK: the file does not say it"
-        if said and clean.specks and not clean.outlines and SHORTEST <= _length(drawn.outlines) / drawn.unit <= LONGEST:
+        doubt = unsaid and f"  # CHECK: the file {unsaid}"
+        if not unsaid and clean.specks and not clean.outlines and SHORTEST <= _length(drawn.outlines) / drawn.unit <= LONGEST:
             doubt = f"  # CHECK: a unit of {drawn.unit:g} m, which the file says, makes every outline thinner than {TOLERANCE:g} m"
             unit = "m"  # a header often has the unit of the program that wrote it
             drawn, clean, lists = _read(source.suffix, content, unit)
@@ -193,16 +194,16 @@ def _content(source: Path) -> bytes:
     return content
 
 
-def _unit(suffix: str, content: bytes) -> tuple[str, bool]:
-    """Unit of a drawing, and whether the file says it, "" for one without a name; a structure of more than 500 m is one in mm."""
+def _unit(suffix: str, content: bytes) -> tuple[str, str]:
+    """Unit of a drawing, "" for one without a name, and why it is a guess, "" for none; a structure of more than 500 m is one in mm."""
     try:
         metres = read_outlines(suffix, content, None, CURVE).unit
-        return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), True
-    except ValueError:
+        return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), ""
+    except ValueError as error:
         drawn = read_outlines(suffix, content, 1.0, CURVE)
         points = [outline.points for outline in drawn.outlines] + [line for lines in drawn.lines.values() for line in lines]
         size = float(np.ptp(np.concatenate(points), axis=0).max()) if points else 0.0
-        return "mm" if size > LARGEST_SIZE else "m", False
+        return "mm" if size > LARGEST_SIZE else "m", re.split("[,;]", str(error))[0]
 
 
 def _list_of(name: str) -> str:

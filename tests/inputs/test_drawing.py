@@ -176,6 +176,7 @@ def test_shapes_of_svg(name: str, tmp_path: Path) -> None:
 WORLD = drawn.rows(*drawn.begun("CIRCLE", "A"), (100, "AcDbCircle"), (10, 0), (20, 0), (40, 1e300))
 REFUSED = {
     "no unit": (dxf([polyline(SQUARE, "A")], unit=None), {}, 'does not say its unit; state it: unit = "mm"'),
+    "unknown unit": (dxf([polyline(SQUARE, "A")], unit=20), {}, 'has an unknown code for its unit ($INSUNITS = 20); state it: unit = "mm"'),
     "DWG": (b"AC1032 and bytes", {}, "is a DWG file; save it as DXF"),
     "not DXF": (b"hello", {}, "is not a whole DXF file"),
     "nothing in it": (dxf([]), {}, "holds no closed outline; nothing is drawn in it; make sure that the file is whole"),

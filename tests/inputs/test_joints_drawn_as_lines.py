@@ -270,7 +270,10 @@ def test_a_drawing_without_outlines_says_what_it_holds(tmp_path: Path) -> None:
     def hatched(space: Any) -> None:
         space.add_hatch().paths.add_polyline_path(WALL, is_closed=True)
 
-    with pytest.raises(SceneError, match="holds no closed outline; it has 0 lines that enclose nothing; not read: 1 HATCH"):
+    with pytest.raises(
+        SceneError,
+        match="holds no closed outline; it has 0 lines that enclose nothing; not read: 1 HATCH; where these are stones, draw",
+    ):
         scene_of(tmp_path, hatched)
     document = ezdxf.new(units=4)
     document.layout("Layout1").add_lwpolyline(WALL, close=True)

@@ -221,3 +221,18 @@ def test_numbers_of_a_large_drawing_far_away_are_written_in_full(tmp_path: Path)
     (tmp_path / "wall.dxf").write_bytes(dxf([polyline(stone, "A")]))
     text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
     assert "most blocks are then 1000 m long or more" in text and "shift     = [0, 2000]" in text
+
+
+@pytest.mark.parametrize(("unit", "why"), [(None, "does not say its unit"), (20, "has an unknown code for its unit ($INSUNITS = 20)")])
+def test_a_guessed_unit_is_marked_with_the_reason(unit: int | None, why: str, tmp_path: Path) -> None:
+    stone = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
+    (tmp_path / "wall.dxf").write_bytes(dxf([polyline(stone, "A")], unit=unit))
+    assert f'unit      = "mm"  # CHECK: the file {why}\n' in scene_from_file(tmp_path / "wall.dxf", tmp_path)
+
+
+def test_a_pdf_is_to_be_converted(tmp_path: Path) -> None:
+    (tmp_path / "wall.pdf").write_bytes(b"%PDF-1.7")
+    with pytest.raises(SceneError, match=r"is neither a drawing nor a file of bodies; convert a PDF to SVG, such as by `pdftocairo -svg"):
+        scene_from_file(tmp_path / "wall.pdf", tmp_path)
+    with pytest.raises(SceneError, match=r"`file` must end in \.dxf or \.svg; convert a PDF to SVG"):
+        build({"drawing": [{"file": "wall.pdf", "thickness": 0.3}], "joint": {"friction": 0.6}}, "wall", tmp_path)

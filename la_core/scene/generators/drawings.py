@@ -24,6 +24,7 @@ from la_core.drawing import (
     open_words,
     read_outlines,
     remarks,
+    unread_words,
 )
 from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
 from la_core.geometry import prism
@@ -185,13 +186,13 @@ def nothing_found(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
         one = f"one unit of the file is {drawn.unit:g} m"
         what = "1 outline is" if clean.specks == 1 else f"{clean.specks} outlines are"
         return f"{what} thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
-    unread = ", ".join(f"{count} {kind}" for kind, count in drawn.ignored.items())
+    unread = unread_words(drawn.ignored)
     if not (drawn.outlines or drawn.lines or unread):
         return "nothing is drawn in it; make sure that the file is whole, and save it again"
     layers = sorted({layer for layer, _ in clean.idle})
     apart = f"; lines enclose blocks together on one layer, and these are on {', '.join(layers)}" if len(layers) > 1 else ""
     idle = f"it has {len(clean.idle)} lines that enclose nothing{apart}" if clean.idle or not taken else ""
-    return "; ".join(words for words in (idle, taken, f"not read: {unread}" if unread else "") if words)
+    return "; ".join(words for words in (idle, taken, unread) if words)
 
 
 def _taken_words(table: Drawing, drawn: Drawn) -> str:
