@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from la_core.text_table import exists
+from la_core.text_table import exists, without_round_off
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
 LEAST_UNCERTAINTY = 1e-7  # a smaller one is round-off: a tenth of the residual that a solver is allowed
@@ -228,8 +228,12 @@ class Units:
         return LENGTHS.get(unit) or force_unit(self.weight, unit)
 
     def value(self, value: Any, unit: str) -> float | None:
-        """Return a value of an SI unit in the shown one; None where it is undefined."""
-        return value / self.of(unit)[0] if exists(value) else None
+        """Return a value of an SI unit in the shown one, 0 for a force of round-off alone; None where it is undefined."""
+        if not exists(value):
+            return None
+        if unit in ("N", "N m") and exists(self.weight):
+            value = without_round_off(value, self.weight)
+        return value / self.of(unit)[0]
 
     def text(self, value: Any, unit: str, digits: int = 4) -> str:
         """Return a value of an SI unit with its shown unit as text; a dash where it is undefined."""

@@ -20,6 +20,7 @@ LONGEST = 0.2  # of the structure's size: the line of the largest resultant
 SMALLEST = 0.01  # of the largest resultant: smaller ones are left out
 IN_SIGHT = 0.5  # of the joints that bear a force: where blocks hide more, the forces are drawn through the stones
 FORCE, THRUST = "#a3181f", "#0b6e4f"
+DASHES = (0.0, (3.0, 1.2))  # of the line of thrust: both colours are one grey in print
 
 
 @own_style()
@@ -58,7 +59,7 @@ def forces_figure(assembly: Assembly, forces: Mapping[str, np.ndarray], title: s
         half = 0.5 * LONGEST * structure_size(assembly.blocks) / largest * joints.force
         _lines(canvas, joints.centre[seen] - half[seen], joints.centre[seen] + half[seen], FORCE, 1.6)
         both = chain[shown[chain].all(axis=1)] if len(chain) else chain
-        _lines(canvas, joints.centre[both[:, 0]], joints.centre[both[:, 1]], THRUST, 1.8)
+        _lines(canvas, joints.centre[both[:, 0]], joints.centre[both[:, 1]], THRUST, 1.8, DASHES)
         canvas.marks(joints.centre[seen], marker="o", markersize=0.7 * canvas.dot, markerfacecolor=INK, markeredgecolor=INK)
     _draw_scale(figure, assembly, largest)
     handles: list[Patch | Line2D] = [
@@ -66,15 +67,16 @@ def forces_figure(assembly: Assembly, forces: Mapping[str, np.ndarray], title: s
         Line2D([], [], color=INK, marker="o", markersize=4, linestyle="none", label="centre of pressure"),
     ]
     if len(chain):
-        handles.append(Line2D([], [], color=THRUST, linewidth=1.8, label="line of thrust"))
+        handles.append(Line2D([], [], color=THRUST, linewidth=1.8, linestyle=DASHES, label="line of thrust"))
     legend_below(figure, handles)
     return figure
 
 
-def _lines(canvas: Canvas, start: np.ndarray, end: np.ndarray, colour: str, width: float) -> None:
+def _lines(canvas: Canvas, start: np.ndarray, end: np.ndarray, colour: str, width: float, style: Any = "solid") -> None:
     """Draw lines between positions (N, 3)."""
     pairs = np.stack([canvas.flat(start), canvas.flat(end)], axis=1)
-    canvas.axes.add_collection(LineCollection(list(pairs), colors=colour, linewidths=width, capstyle="round", zorder=4))
+    cap = "round" if style == "solid" else "butt"
+    canvas.axes.add_collection(LineCollection(list(pairs), colors=colour, linewidths=width, linestyles=[style], capstyle=cap, zorder=4))
 
 
 def _draw_scale(figure: Figure, assembly: Assembly, largest: float) -> None:

@@ -66,11 +66,11 @@ class _Answers:
         self.si_unit = comparison.get("unit", "" if self.live else "N")
         self.is_steady = self.yade.get("status", "plateau") == "plateau"
         self.weight = comparison.get("weight")
-        self._size, self._units = _size_of_weight(comparison, self.live), units
+        self._units = units
 
     def shown(self, value: Any) -> float | None:
         """Return a value in the report's unit, 0 where it is only round-off; None where it is undefined."""
-        return self._units.value(without_round_off(value, self._size), self.si_unit) if exists(value) else None
+        return self._units.value(value, self.si_unit)
 
     def compared(self) -> float | None:
         """Return the value that YADE is compared with: the prediction, or else the bound."""
@@ -217,14 +217,10 @@ def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 def rounding_words(comparison: dict[str, Any], units: Units) -> str:
     """Return the influence of the inset on the associated answer as a sentence; "" where the inset is 0 or unknown."""
-    associated, live = associated_of(comparison), "multiplier" in associated_of(comparison)
-    shared = associated.get("shared_inset") or associated
-    quantity, base = ("multiplier", "") if live else ("reaction", comparison.get("unit", "N"))
-    sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
+    quantity, sharp, rounded, inset = _rounding(comparison)
     if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
         return ""
-    size = _size_of_weight(comparison, live)
-    sharp, rounded = without_round_off(sharp, size), without_round_off(rounded, size)
+    base = "" if quantity == "multiplier" else comparison.get("unit", "N")
     given = f"The inset of {units.text(inset, 'm', 3)}"
     change = rounded - sharp
     if abs(change) <= NO_CHANGE * abs(sharp):
@@ -232,3 +228,23 @@ def rounding_words(comparison: dict[str, Any], units: Units) -> str:
     share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     before, after = units.text(sharp, base, 5), units.text(rounded, base, 5)
     return f"{given} changes the associated {quantity} from {before} for sharp edges to {after}{share}."
+
+
+def rounding_change(comparison: dict[str, Any]) -> float:
+    """Return the change of the associated answer by the inset over the answer for sharp edges; 0 where one is unknown or both are 0."""
+    _, sharp, rounded, _ = _rounding(comparison)
+    if not (exists(sharp) and exists(rounded)) or rounded == sharp:
+        return 0.0
+    return abs(rounded - sharp) / abs(sharp) if sharp else math.inf
+
+
+def _rounding(comparison: dict[str, Any]) -> tuple[str, Any, Any, Any]:
+    """Return the quantity of the associated answer, its values for sharp edges and for the inset, without round-off, and the inset."""
+    associated = associated_of(comparison)
+    shared = associated.get("shared_inset") or associated
+    quantity = "multiplier" if "multiplier" in associated else "reaction"
+    sharp, rounded = associated.get(f"{quantity}_sharp"), shared.get(quantity)
+    if exists(sharp) and exists(rounded):
+        size = _size_of_weight(comparison, quantity == "multiplier")
+        sharp, rounded = without_round_off(sharp, size), without_round_off(rounded, size)
+    return quantity, sharp, rounded, shared.get("inset")

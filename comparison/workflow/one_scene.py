@@ -130,6 +130,8 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
     with alone_in(folder) if is_writable(folder) else contextlib.nullcontext():
         results = read_results(folder)
         previous = _stored_summary(folder)
+        if results.run and _came_without_yade(previous, folder):
+            results = dataclasses.replace(results, run=None)
         yade = yade_summary(results.run) if results.run else _without_run(previous.get("yade"), folder)
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = [note for note in previous.get("notes") or [] if note != LIVE_WITHOUT_YADE] or _notes(results.analysis)
@@ -156,6 +158,14 @@ def would_run_slower(folder: Path, time_limit: float | None) -> bool:
 def _limit(scene: Scene, time_limit: float | None) -> float:
     """Return the time limit of a YADE run, s of wall time: the requested one, that of the scene, or TIME_LIMIT."""
     return time_limit or float(scene.yade.get("time_limit", TIME_LIMIT))
+
+
+def _came_without_yade(previous: dict[str, Any], folder: Path) -> bool:
+    """Return whether a later comparison without YADE set the record in the folder aside, such as that of `crosscheck run --no-yade`."""
+    if previous.get("yade", {}) is not None:
+        return False
+    compared, recorded = ((folder / name).stat().st_mtime for name in ("comparison.json", "run.h5"))
+    return compared >= recorded
 
 
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:

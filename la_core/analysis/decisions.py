@@ -159,6 +159,7 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
     width = relative_width(coulomb.interval, coulomb.value, unit)
     size, is_small = reference_size(coulomb.value / unit) * unit, abs(coulomb.value) < reference_size(0.0) * unit
     wide = f"{number_text(width * size, 2)} {scene.unit}".rstrip() if is_small else f"{width:.2g} of the value"
+    wide = "a point" if width <= LEAST_CHANGE else wide
     if width <= ONE_VALUE:
         return f"turning blocks may change it by another mechanism alone, because the interval of this one is {wide}"
     if math.isnan(coulomb.released):

@@ -15,6 +15,7 @@ from conftest import CrossChecked
 from PIL import Image
 from scenes import SHIPPED
 
+import comparison
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import TOOL, USAGE
 from comparison.errors import message_of
@@ -107,6 +108,28 @@ def test_an_animation_of_other_results_is_taken_away(animated: Path, tmp_path: P
     command = ["run", "two_pads", "-o", str(tmp_path / "out"), "-q"]
     assert main(command) == 0 and (tmp_path / "out" / "two_pads" / ANIMATION).is_file()
     assert main([*command, "--no-yade"]) == 0 and not (tmp_path / "out" / "two_pads" / ANIMATION).exists()
+
+
+@pytest.mark.usefixtures("plain_figures")
+def test_results_without_yade_stay_so_beside_the_record_of_an_earlier_run(
+    animated: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`crosscheck report` brought YADE back in. A record that came later, such as that of another machine, counts."""
+    folder = shutil.copytree(animated.parent, tmp_path / "out") / "two_pads"
+
+    def verdict_of_report() -> str:
+        assert main(["report", str(folder), "-q"]) == 0
+        return str(json.loads((folder / "comparison.json").read_text(encoding="utf-8"))["verdict"])
+
+    assert verdict_of_report() == "agree"
+    assert main(["run", "two_pads", "-o", str(folder.parent), "-q", "--no-yade"]) == 0
+    assert verdict_of_report() == "expected" and comparison.read(folder).yade is None
+    later = (folder / "comparison.json").stat().st_mtime + 1.0
+    os.utime(folder / "run.h5", (later, later))
+    assert verdict_of_report() == "agree"
+    capsys.readouterr()
+    assert main(["animate", str(folder), "--fps", str(FPS), "-q", "--no-yade"]) == 0
+    assert "--no-yade: without effect" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.yade

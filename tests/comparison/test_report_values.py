@@ -10,7 +10,7 @@ import la_core
 from comparison.judge.checks.answer import check_expected
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units, format_number
-from comparison.report import report, values
+from comparison.report import notes_of, report, values
 from comparison.report.scene_view import view_of_scene
 from comparison.verdict.verdict_table import verdict_cells, verdict_title
 from la_core.analysis.stage import analyse
@@ -291,3 +291,30 @@ def test_w_is_said_to_hold_the_loads_wherever_reactions_are_given_over_it(tmp_pa
     page, markdown = page_and_markdown(tmp_path, comparison_of())
     for text in (page, markdown.replace("\n", " "), verdict_title({"N"}), verdict_title({"N m"}), values.MEANINGS["N m"]):
         assert "weight" in text and ("of the free blocks and the loads on them" in text or "of the free blocks and their loads" in text)
+
+
+def test_several_plateaus_are_told_beside_the_conclusion_unless_its_reason_tells_them() -> None:
+    """A reader of the conclusion alone would take the value of the answer, which may be the unsafe one."""
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"]["plateaus"] = [366.0, 402.5]
+    told = "several plateaus: 366, 402.5 N. A small disturbance decides between them: work with the least favourable one."
+    assert any(note.endswith(told) for note in notes_of(comparison))
+    assert not any("plateaus" in note for note in notes_of(comparison | {"reason": "The structure has several plateaus (366 N, 402.5 N)."}))
+    assert not any("plateaus" in note for note in notes_of(frictional_comparison()))
+
+
+@pytest.mark.parametrize(("sharp", "is_told"), [(359.7, False), (340.0, True), (0.0, True), (None, False)])
+def test_an_inset_that_changes_the_answer_much_is_told_beside_the_conclusion(sharp: float | None, is_told: bool) -> None:
+    """Between small stones 1 mm takes more of a joint: a wall of stones of 100 x 30 mm bore 18 % more than with sharp edges."""
+    comparison = comparison_of()
+    comparison["limit_analysis"]["associated"] |= {"reaction": 363.3, "reaction_sharp": sharp, "inset": 0.001}
+    notes = [note for note in notes_of(comparison) if note.startswith("The inset of 1 mm changes the associated reaction from ")]
+    assert bool(notes) == is_told
+    assert all(note.endswith("If the edges are less worn, set a smaller [joint] inset.") for note in notes)
+
+
+def test_a_force_of_round_off_is_shown_as_zero() -> None:
+    """A block that stays on the fixed part of its ground pressed the settling part with 7.5e-10 kN."""
+    assert Units(1500.0).text(7.5e-7, "N") == "0 kN" == Units(1500.0).text(-7.5e-7, "N")
+    assert Units(1500.0).text(1e-3, "N") != "0 kN" and Units(None).text(7.5e-7, "N") != "0 kN"
+    assert Units(1500.0).text(1e-9, "m") != "0 mm"

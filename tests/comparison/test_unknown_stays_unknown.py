@@ -18,7 +18,8 @@ NAN = float("nan")
 
 
 @pytest.mark.parametrize(
-    ("count", "words"), [(None, "it is unknown which blocks move"), (0, "no block moves"), (2, "2 of the 5 blocks move")]
+    ("count", "words"),
+    [(None, "it is unknown which blocks move"), (0, "no block moves"), (2, "2 of the 5 blocks move"), (5, "all 5 blocks move")],
 )
 def test_an_unknown_mechanism_is_no_rest(count: int | None, words: str) -> None:
     facts = {"moving_blocks": {} if count is None else {"limit_analysis": count}, "blocks": {"free": 5}}

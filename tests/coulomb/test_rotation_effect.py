@@ -77,6 +77,16 @@ def test_rotation_names_an_interval_without_a_width(ends: tuple[float, float], w
     assert effects.reasons["rotation"].endswith(words)
 
 
+def test_an_interval_of_round_off_is_a_point() -> None:
+    """It was "3.1e-09 of the value"."""
+    analysis = analyse(RELEASES)
+    assert analysis.coulomb is not None
+    value = analysis.coulomb.value
+    narrow = replace(analysis.coulomb, interval=(value, (1.0 + 3.1e-9) * value), released=math.nan)
+    effects = with_rotation_explained(RELEASES, analysis.assembly, narrow)
+    assert effects.reasons["rotation"].endswith("because the interval of this one is a point")
+
+
 def test_without_sliding_there_is_nothing_to_release() -> None:
     effects = analyse(la_core.variant(scenes.shipped("arch_spreading"), FINITE)).assembly.effects
     assert effects.friction == "none-slides" and effects.rotation == "small"

@@ -30,6 +30,8 @@ def execute(context: Context) -> int:
         if not folders:
             folder, code = _run(context, narration)
             folders = [folder]
+        elif options.no_yade:
+            context.warn_of("--no-yade", "without effect: the animation shows the stored results as they are")
         if options.output is not None and len(folders) > 1:
             names = ", ".join(folder.name for folder in folders)
             raise SceneError("-o", "one file cannot hold several animations", hint=f"leave it out, or name one of the folders: {names}")

@@ -14,7 +14,7 @@ from comparison.settings import HARDER_SECONDS
 from comparison.workflow import WorkerProcesses, refuse_names_of_attempts, run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
-from la_core.scene import full_model, load_scene, same_structure, shipped
+from la_core.scene import Scene, full_model, load_scene, same_structure, shipped
 
 
 def execute(context: Context) -> int:
@@ -95,9 +95,14 @@ def _models(options: argparse.Namespace) -> list[StructuralModel]:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:
         scenes = [full_model(scene) for scene in scenes]
-    if options.threads is not None:
-        scenes = [same_structure(scene, {"yade.threads": options.threads}, scene.name) for scene in scenes]
+    if options.threads is not None and not options.no_yade:  # else the stored limit analysis, and the scene's own words, stay
+        scenes = [_with_threads(scene, options.threads) for scene in scenes]
     refuse_names(scenes)
     if _may_try_harder(options):
         refuse_names_of_attempts(scenes, with_yade=not options.no_yade)
     return [structural_model(scene) for scene in scenes]
+
+
+def _with_threads(scene: Scene, threads: int) -> Scene:
+    """Return the scene with a number of threads of YADE; the scene itself where it has this number."""
+    return scene if scene.yade.get("threads", 1) == threads else same_structure(scene, {"yade.threads": threads}, scene.name)
