@@ -94,7 +94,9 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: flo
     every = np.argsort(low, kind="stable")
     reached = _reached(high[every], np.zeros(len(low), dtype=int), length)
     shared = np.minimum(high[every], reached) - low[every]
-    return row, low, high, float(shared[shared > SHORTEST * reach].sum())  # less is a joint that the line crosses
+    crossed = (shared > 0.0) & (shared <= SHORTEST * reach)  # a joint: it would count twice, and many of them would add up
+    low[every[crossed]] = reached[crossed]
+    return row, low, high, float(shared[shared > SHORTEST * reach].sum())
 
 
 def _reached(high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
