@@ -5,7 +5,7 @@ from comparison.report.facts import stone_density, structure_facts
 from comparison.report.paraview import export_results
 from comparison.report.pdf import find_browser, write_pdf
 from comparison.report.plain_words import angle_words, notes_of, predicted_value
-from comparison.report.report import chosen_head, in_stored_order, stored_report, write_report
+from comparison.report.report import chosen_head, stored_report, write_report
 from comparison.report.templating import flat, image_address, template_environment
 
 __all__ = [
@@ -15,7 +15,6 @@ __all__ = [
     "find_browser",
     "flat",
     "image_address",
-    "in_stored_order",
     "notes_of",
     "predicted_value",
     "stone_density",

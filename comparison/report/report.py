@@ -2,7 +2,7 @@
 
 import datetime
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +44,6 @@ LIMITATIONS = (
     "YADE's uncertainty covers the noise of its record, the line through its plateau, its speed and the strain of its joints, and a share "
     "for its settings (0.1 % of the reaction by default); the influence of its settings on the history of friction may be larger.",
 )
-
-UNREADABLE = (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError)  # what reading a damaged report.json may raise
 
 
 def write_report(
@@ -137,26 +135,12 @@ def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> tuple[dict[s
     The words belong to a report of these scenes only where it had all of them. Words that cannot be read are left out.
     """
     try:
-        stored, covered = _earlier_report(folder)
+        stored = json.loads(read_text(folder / "report.json"))
+        covered = {comparison["scene"] for comparison in stored["comparisons"]}
         words = {name: visible(stored["head"][name]) for name in HEAD if isinstance(stored["head"].get(name), str)}
-    except UNREADABLE:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}, []  # an older report has no words; a damaged one is written anew
     return words, [comparison["scene"] for comparison in comparisons if comparison["scene"] not in covered]
-
-
-def in_stored_order(folder: Path, names: Iterable[str]) -> list[str]:
-    """Return names of scenes in the order of the report that lies in a folder; those that it does not have follow by name."""
-    try:
-        _stored, covered = _earlier_report(folder)
-    except UNREADABLE:
-        covered = []
-    return sorted(names, key=lambda name: (covered.index(name) if name in covered else len(covered), name))
-
-
-def _earlier_report(folder: Path) -> tuple[dict[str, Any], list[str]]:
-    """Return the report.json of a folder and the names of its scenes in their order; raises one of UNREADABLE where it is none."""
-    stored = json.loads(read_text(folder / "report.json"))
-    return stored, [comparison["scene"] for comparison in stored["comparisons"]]
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -160,12 +160,3 @@ def test_the_head_has_the_words_of_the_command_else_those_of_the_scenes(tmp_path
     }  # fmt: skip
     head = report.report_head(tmp_path, scenes[:1], {"title": "Crack", "author": "C. Wright"})
     assert head == {"title": "Crack", "project": "Town hall", "author": "C. Wright", "date": "2026-03-01"}
-
-
-def test_scenes_reported_again_keep_their_order(tmp_path: Path) -> None:
-    """References to the sections of an issued report must not break; scenes that it did not have follow."""
-    assert report.in_stored_order(tmp_path, ["wall", "arch"]) == ["arch", "wall"]
-    report.write_report(tmp_path, [comparison_of(scene=name) for name in ("wall", "arch")], {})
-    assert report.in_stored_order(tmp_path, ["vault", "arch", "dome", "wall"]) == ["wall", "arch", "dome", "vault"]
-    (tmp_path / "report.json").write_text("{", encoding="utf-8")
-    assert report.in_stored_order(tmp_path, ["wall", "arch"]) == ["arch", "wall"]

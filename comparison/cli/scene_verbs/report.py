@@ -10,7 +10,6 @@ from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain, co
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
-from comparison.report import in_stored_order
 from comparison.run_folder import DEFINITION, HEAD, alone_in, is_writable
 from comparison.workflow import report_again
 from comparison.yade import among_results
@@ -43,8 +42,7 @@ def execute(context: Context) -> int:
             for closed in _closed_folders(folder):
                 broken = complain(f"{closed}: {ASK_OWNER}", TOOL)
                 left_out.setdefault(folder, []).append(closed.name)
-            names = {path.parent.name for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")}
-            cases = [folder / name for name in in_stored_order(folder, names)]
+            cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases and folder not in left_out:
                 _refuse_without_results(folder)
             comparisons: list[dict[str, Any]] = []
