@@ -187,7 +187,7 @@ def test_a_setting_of_yade_that_limit_analysis_reads_too_leaves_no_expected_valu
 
 
 def test_limit_analysis_reads_no_other_settings_of_yade() -> None:
-    """A setting that it reads, but that is not among those above, would leave an expected value that is none."""
+    """Another setting that it reads would change its answer, and the expected value would stay."""
 
     class Heard(dict[str, float]):
         names: ClassVar[set[str]] = set()

@@ -55,7 +55,7 @@ class Settings:
     travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
     speed: float  # m/s or rad/s, speed of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
-    wedging: float  # m or rad, motion of the support against its settlement before gravity acts, for a thrust; also changes limit analysis
+    wedging: float  # m or rad, motion against the settlement before gravity acts; gives a flat arch its thrust; also changes limit analysis
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
     gravity_ramp: float  # s, duration of the cosine ramp of weights and dead loads
     gravity_time: float  # s, longest time to come to rest

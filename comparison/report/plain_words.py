@@ -18,7 +18,7 @@ ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
 HELD_BACK = 1e-6  # of W (or of W times 1 m): a smaller negative reaction is a rounding error
 LARGE_CHANGE = 0.05  # of a value: a larger change by the inset is told beside the conclusion; in most shipped scenes it is below 1 %
-IN_SI = Units(0.0)  # forces in N, as in all notes
+IN_NEWTONS = Units(0.0)  # units of a light structure, as in all notes: N and mm
 
 
 def plain_words(comparison: dict[str, Any], units: Units) -> list[str]:
@@ -144,7 +144,7 @@ def notes_of(comparison: dict[str, Any]) -> Iterator[str]:
         yield greatest["words"]
     yield from _plateau_words(comparison)
     if rounding_change(comparison) > LARGE_CHANGE:
-        yield f"{rounding_words(comparison, IN_SI)} If the edges are less worn, set a smaller [joint] inset."
+        yield f"{rounding_words(comparison, IN_NEWTONS)} If the edges are less worn, set a smaller [joint] inset."
 
 
 def _plateau_words(comparison: dict[str, Any]) -> Iterator[str]:

@@ -101,7 +101,10 @@ def _is_cut_off(first: Mapping[str, Any]) -> bool:
 
 
 def refuse_names_of_attempts(scenes: Iterable[Scene], with_yade: bool = False) -> None:
-    """Raise SceneError for a scene that has the name of another one's second attempt: the two would share a folder of results."""
+    """Raise SceneError for a scene that has the name of another one's second attempt: the two would share a folder of results.
+
+    with_yade: whether YADE runs; without it, a scene of high effort has no second attempt.
+    """
     by_name = {scene.name: scene for scene in scenes}
     for name, scene in by_name.items():
         other = by_name.get(f"{name}{SECOND_ATTEMPT}")

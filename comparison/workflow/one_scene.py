@@ -162,7 +162,7 @@ def _limit(scene: Scene, time_limit: float | None) -> float:
 
 def _came_without_yade(previous: dict[str, Any], folder: Path) -> bool:
     """Return whether a later comparison without YADE set the record in the folder aside, such as that of `crosscheck run --no-yade`."""
-    if previous.get("yade", {}) is not None:
+    if "yade" not in previous or previous["yade"] is not None:
         return False
     compared, recorded = ((folder / name).stat().st_mtime for name in ("comparison.json", "run.h5"))
     return compared >= recorded

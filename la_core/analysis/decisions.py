@@ -26,7 +26,8 @@ from la_core.model import Assembly, Effects, distance_to_meet
 from la_core.scene import Scene
 from la_core.text_table import number_text
 
-LEAST_CHANGE = 1e-4  # of the value: round-off, and less than any prediction is certain to, counts as this much
+# Of the value: round-off, and less than any prediction is certain to, counts as this much. A narrower interval is a point.
+LEAST_CHANGE = 1e-4
 
 
 @dataclass(frozen=True)

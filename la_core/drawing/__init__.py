@@ -3,7 +3,7 @@
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
 from la_core.drawing.outlines import UNITS, Drawn, LayerCount, OpenOutline, Outline, SharedAreas, by_layer
 from la_core.drawing.reading import DRAWING_FORMATS, OF_PDF, read_outlines
-from la_core.drawing.remarks import lacking_words, open_words, remarks, unread_words, unseen_words
+from la_core.drawing.remarks import lacking_words, remarks, unseen_words, why_none
 
 __all__ = [
     "DRAWING_FORMATS",
@@ -18,10 +18,9 @@ __all__ = [
     "by_layer",
     "cleaned",
     "lacking_words",
-    "open_words",
     "read_outlines",
     "remarks",
     "straightened",
-    "unread_words",
     "unseen_words",
+    "why_none",
 ]

@@ -120,7 +120,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
         return Cleaned((), 0, flat, loose, open_ones, 0, by_layer(found.around), (), idle)
     _refuse_a_heap(polygons)
     area = shapely.area(polygons)
-    speck = area <= _least(area, tolerance)
+    speck = area <= _speck_area(area, tolerance)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
     lists = np.array([list_of(*outline.place) for outline in outlines])
@@ -202,14 +202,14 @@ def _with_area(outlines: Sequence[Outline], tolerance: float) -> tuple[list[Outl
     crossed = ~shapely.is_valid(polygons)
     area = shapely.area(polygons)
     area[crossed] = shapely.area(shapely.make_valid(polygons[crossed]))  # both loops of a figure of eight count
-    flat = crossed & (area <= _least(area, tolerance))
+    flat = crossed & (area <= _speck_area(area, tolerance))
     if (crossed & ~flat).any():
         where = _place(outlines[int(np.argmax(crossed & ~flat))])
         raise ValueError(f"{where}: the outline crosses itself; correct it, or list its layer in `ignore`")
     return [outline for outline, is_flat in zip(outlines, flat, strict=True) if not is_flat], polygons[~flat], int(flat.sum())
 
 
-def _least(area: np.ndarray, tolerance: float) -> float:
+def _speck_area(area: np.ndarray, tolerance: float) -> float:
     """Area up to which an outline is a slip of the pen, m2, from those of all outlines."""
     return max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
 

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 
+from la_core.drawing.cleaning import Cleaned
 from la_core.drawing.outlines import (
     ABSENT,
     AREAS,
@@ -12,6 +13,7 @@ from la_core.drawing.outlines import (
     HIDDEN,
     MISSING,
     REFERENCE,
+    Drawn,
     LayerCount,
     OpenOutline,
     SharedAreas,
@@ -84,8 +86,31 @@ def lacking_words(ignored: Mapping[str, int]) -> list[str]:
     return told
 
 
-def unread_words(ignored: Mapping[str, int]) -> str:
-    """What is not read of a drawing that holds no block, and what to do where it has areas; "" for nothing; parameter as above."""
+def why_none(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
+    """Why a drawing holds no outline of a block: what is open, what encloses nothing, what lists take, and what was not read.
+
+    taken: words for what lists take, "" for nothing.
+    """
+    if clean.open_outlines:
+        return open_words(clean.open_outlines)
+    if clean.specks and not (clean.outlines or taken):
+        one = f"one unit of the file is {drawn.unit:g} m"
+        what = "1 outline is" if clean.specks == 1 else f"{clean.specks} outlines are"
+        return f"{what} thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
+    unread = _unread_words(drawn.ignored)
+    if not (drawn.outlines or drawn.lines or unread):
+        return "nothing is drawn in it; make sure that the file is whole, and save it again"
+    layers = sorted({layer for layer, _ in clean.idle})
+    apart = f"; lines enclose blocks together on one layer, and these are on {', '.join(layers)}" if len(layers) > 1 else ""
+    idle = f"it has {len(clean.idle)} lines that enclose nothing{apart}" if clean.idle or not taken else ""
+    return "; ".join(words for words in (idle, taken, unread) if words)
+
+
+def _unread_words(ignored: Mapping[str, int]) -> str:
+    """What is not read of a drawing that holds no block, and what to do where it has areas; "" for nothing.
+
+    ignored: number of entities of each kind that are not read.
+    """
     if not ignored:
         return ""
     hint = "; where these are stones, draw them as closed polylines" if any(kind in ignored for kind in (*AREAS, *FILLINGS)) else ""

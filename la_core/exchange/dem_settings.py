@@ -31,7 +31,7 @@ SETTING_MEANINGS = {
     "travel_periods": "duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway",
     "speed": "speed of the support",
     "ramp_time": "duration of the cosine ramp to full speed",
-    "wedging": "motion of the support against its settlement before gravity acts, for a thrust; also changes limit analysis",
+    "wedging": "motion against the settlement before gravity acts; gives a flat arch its thrust; also changes limit analysis",
     "gravity_damping": "coefficient of YADE's local damping while the structure comes to rest",
     "gravity_ramp": "duration of the cosine ramp of weights and dead loads",
     "gravity_time": "longest time to come to rest",

@@ -11,9 +11,8 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, OF_PDF, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words
+from la_core.drawing import DRAWING_FORMATS, OF_PDF, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words, why_none
 from la_core.errors import SceneError, extra_hint, printable_name
-from la_core.scene.generators.drawings import nothing_found
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
@@ -91,7 +90,7 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     unit, doubt, drawn, clean, lists = _in_a_likely_unit(source)
     if not clean.outlines:
         words = f"layers that are left out because of their names: {', '.join(lists['ignore'])}; rename those of blocks"
-        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn, words if lists["ignore"] else ""))
+        raise SceneError(str(source), "holds no closed outline", hint=why_none(clean, drawn, words if lists["ignore"] else ""))
     joints, held = _joint_width(clean), lists["ground"] + lists["support"]
     blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]

@@ -9,7 +9,7 @@ from la_core.scene.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parents[1] / "scenes"
 STARTERS = Path(__file__).parent / "starters"
-LONG = ("building_corner",)  # two minutes of limit analysis and forty of YADE
+LONG = ("building_corner",)  # some minutes of limit analysis and 20 to 40 of YADE
 
 
 def names() -> list[str]:

@@ -21,6 +21,7 @@ from marked_text import listed, sentences, span, with_part
 from results_record import FRICTION_WALLS, RECORD, measured, read_record, with_limit_analysis, write_record
 from rich.console import Console
 
+from comparison.judge import UNCERTAIN
 from comparison.judge.effects_table import EFFECTS
 from comparison.numbers import percent
 from comparison.numbers import with_uncertainty
@@ -174,6 +175,10 @@ def _figures(entries: dict[str, Entry]) -> str:
             f"differs by {percent(abs(_off(model)))} from the prediction, "
             f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}."
         )
+        if model["verdict"] == "agree" and max(model["uncertainty"] / model["yade"], model["stated"] / model["predicted"]) > UNCERTAIN:
+            text += (
+                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the floor of the tolerance."
+            )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
             f"![A building of {entries[BUILDING]['blocks']:,} blocks whose corner settles: the mechanism by limit analysis and by YADE; "

@@ -21,10 +21,9 @@ from la_core.drawing import (
     by_layer,
     cleaned,
     lacking_words,
-    open_words,
     read_outlines,
     remarks,
-    unread_words,
+    why_none,
 )
 from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
 from la_core.geometry import prism
@@ -143,7 +142,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     if not built:
         taken = _taken_words(table, drawn)
         rule = "holds no outline of a block" if clean.outlines or taken else "holds no closed outline"
-        raise SceneError(_at(table), rule, hint=nothing_found(clean, drawn, taken))
+        raise SceneError(_at(table), rule, hint=why_none(clean, drawn, taken))
     if len(built) > MOST_BLOCKS:
         raise SceneError(_at(table), f"holds {len(built)} outlines; at most {MOST_BLOCKS} are allowed")
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
@@ -172,34 +171,14 @@ def _read(table: Drawing, file: MeshFile, tolerance: float) -> tuple[Drawn, Clea
 def why_none_is_free(table: Drawing, file: MeshFile, tolerance: float) -> str:
     """Why a drawing that can be read holds no free block, as a hint; parameters as of `drawing_blocks`."""
     drawn, clean = _read(table, file, tolerance)
-    return f"{_at(table)}: {nothing_found(clean, drawn, _taken_words(table, drawn))}"
-
-
-def nothing_found(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
-    """Why a drawing holds no outline of a block: what is open, what encloses nothing, what lists take, and what was not read.
-
-    taken: words for what lists take, "" for nothing.
-    """
-    if clean.open_outlines:
-        return open_words(clean.open_outlines)
-    if clean.specks and not (clean.outlines or taken):
-        one = f"one unit of the file is {drawn.unit:g} m"
-        what = "1 outline is" if clean.specks == 1 else f"{clean.specks} outlines are"
-        return f"{what} thinner than the tolerance, where {one}; state another `unit`, or `scale` for a drawing to scale"
-    unread = unread_words(drawn.ignored)
-    if not (drawn.outlines or drawn.lines or unread):
-        return "nothing is drawn in it; make sure that the file is whole, and save it again"
-    layers = sorted({layer for layer, _ in clean.idle})
-    apart = f"; lines enclose blocks together on one layer, and these are on {', '.join(layers)}" if len(layers) > 1 else ""
-    idle = f"it has {len(clean.idle)} lines that enclose nothing{apart}" if clean.idle or not taken else ""
-    return "; ".join(words for words in (idle, taken, unread) if words)
+    return f"{_at(table)}: {why_none(clean, drawn, _taken_words(table, drawn))}"
 
 
 def _taken_words(table: Drawing, drawn: Drawn) -> str:
     """How many outlines and lines the lists take that hold no free blocks; "" where they take none."""
     told = []
-    named = {place: next((key for key in LISTS if _names(getattr(table, key), place)), "") for place in drawn.places}
-    for key in ("", *LISTS[:-1]) if table.blocks else LISTS[:-1]:  # "" for what no list names
+    named = {place: _naming_list(table, place) for place in drawn.places}
+    for key in ("", *(key for key in LISTS if key != "blocks")):
         outlines = sum(named[outline.place] == key for outline in drawn.outlines)
         lines = sum(len(some) for place, some in drawn.lines.items() if named[place] == key)
         counted = ((outlines, "outline"), (lines, "line"))
@@ -237,9 +216,14 @@ def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
 
 
 def _list_of(table: Drawing, place: tuple[str, str]) -> str:
-    """The list of the table that names a layer with a colour; "blocks" where none does and the table lists no blocks."""
+    """The list of the table to which a layer with a colour belongs; "ignore" where none names it."""
+    return _naming_list(table, place) or "ignore"
+
+
+def _naming_list(table: Drawing, place: tuple[str, str]) -> str:
+    """The list that names a layer with a colour, "" for none; a table that lists no blocks has all other layers in "blocks"."""
     every = {key: getattr(table, key) for key in LISTS} | {"blocks": table.blocks or ("*",)}
-    return next((key for key, patterns in every.items() if _names(patterns, place)), "ignore")
+    return next((key for key, patterns in every.items() if _names(patterns, place)), "")
 
 
 def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
