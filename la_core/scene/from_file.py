@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import math
+import os
 import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -66,7 +67,7 @@ CURVE = 0.005  # m
 def scene_from_file(source: Path, folder: Path) -> str:
     """Text of a scene in `folder` for a drawing (DXF, SVG) or for bodies (OBJ, PLY, STL, COMPAS); raises SceneError."""
     try:
-        relative = source.resolve().relative_to(folder.resolve())
+        relative = Path(os.path.realpath(source)).relative_to(folder.resolve())
     except ValueError as error:
         raise SceneError(
             str(source), f"does not lie in {folder} or below it", hint="a scene stands beside its files or above them"

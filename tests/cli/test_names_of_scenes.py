@@ -78,3 +78,21 @@ def test_a_scene_whose_name_is_a_space_is_refused(here: Path, capsys: pytest.Cap
     (here / " .toml").write_text(shipped.place("two_pads").read_text())
     assert main(["run", " .toml", "--no-yade", "-o", "out"]) == 2
     one_message(capsys.readouterr().err, "more than spaces", "rename the file")
+
+
+MESH = '[stone]\ndensity = 2000.0\n[joint]\nfriction = 0.6\n[settlement]\ndirection = [0.0, 0.0, -1.0]\n[[mesh]]\nfile = "loop.obj"\n'
+DRAWING = MESH.replace("mesh", "drawing").replace("loop.obj", "loop.svg") + "thickness = 0.2\n"
+
+
+@pytest.mark.parametrize(
+    "command", [["run", "--no-yade"], ["cost", "--no-yade"], ["solve"], ["new", "--from"]], ids=lambda command: command[0]
+)
+@pytest.mark.parametrize("ending", ["toml", "obj", "svg"])
+def test_a_file_that_is_a_link_to_itself_is_no_error_of_the_program(
+    command: list[str], ending: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The links of a scene, a file of bodies and a drawing were resolved by what raises an error of its own for a loop of links."""
+    (here / f"loop.{ending}").symlink_to(f"loop.{ending}")
+    (here / "scene.toml").write_text({"obj": MESH, "svg": DRAWING}.get(ending, ""))
+    assert main([*command, f"loop.{ending}" if ending == "toml" or command[0] == "new" else "scene.toml"]) == 2
+    one_message(capsys.readouterr().err, f"loop.{ending}")

@@ -1,9 +1,11 @@
 """`crosscheck run`: solve scenes by both methods, compare the answers and write the report."""
 
 import argparse
+import os
 from collections import deque
 from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from comparison.cli.context import Context
@@ -90,7 +92,7 @@ def _may_try_harder(options: argparse.Namespace) -> bool:
 
 def _models(options: argparse.Namespace) -> list[StructuralModel]:
     """Return one model for each distinct scene, with the accuracy and the effects that the options request; raises SceneError."""
-    scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    scenes = [load_scene(Path(path)) for path in dict.fromkeys(os.path.realpath(shipped.find(name)) for name in options.scenes)]
     if options.accuracy is not None:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:

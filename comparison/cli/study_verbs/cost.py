@@ -1,6 +1,7 @@
 """`crosscheck cost`: measure error against time for each scene; write `SCENE-cost.png` and `SCENE-cost.json`."""
 
 import json
+import os
 from pathlib import Path
 
 from comparison.cli.context import Context
@@ -18,7 +19,7 @@ CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a
 def execute(context: Context) -> int:
     """Run the cost study of every scene and print a table for each reference; raises SceneError."""
     options = context.options
-    scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    scenes = [load_scene(Path(path)) for path in dict.fromkeys(os.path.realpath(shipped.find(name)) for name in options.scenes)]
     refuse_names(scenes)
     make_writable(options.output)  # a folder that takes no results is told before the measurement
     ladders: list[CostStudy] = []

@@ -1,6 +1,7 @@
 """Blocks of a `[[drawing]]` table, and what was left out of the drawing."""
 
 import importlib.util
+import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
@@ -112,7 +113,7 @@ def read_drawing(table: Drawing, folder: Path) -> MeshFile:
     root = folder.resolve()
     path = root / table.file
     try:
-        if not path.resolve().is_relative_to(root):
+        if not Path(os.path.realpath(path)).is_relative_to(root):
             raise SceneError(_at(table), "is a link that leads out of the scene's folder", hint="put a copy of the drawing there")
         if path.exists() and not path.is_file():
             raise SceneError(_at(table), "is not a file")

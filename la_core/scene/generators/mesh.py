@@ -1,6 +1,7 @@
 """Imported bodies: a `[[mesh]]` table becomes the same blocks a user could have typed."""
 
 import importlib.util
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -47,7 +48,7 @@ def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
     root = folder.resolve()
     path = root / mesh.file
     try:
-        if not path.resolve().is_relative_to(root):
+        if not Path(os.path.realpath(path)).is_relative_to(root):
             raise SceneError(_where(mesh), "is a link that leads out of the scene's folder", hint="put a copy of the mesh there")
         if not path.is_dir():
             if path.suffix.lower() not in FORMATS or (path.exists() and not path.is_file()):
