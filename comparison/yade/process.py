@@ -106,7 +106,7 @@ def _followed(
             hangs.set()
             _end(process)
 
-    overtime, loading = threading.Timer(seconds, _end, [process]), threading.Timer(LOADING, give_up)
+    overtime, loading = threading.Timer(min(seconds, threading.TIMEOUT_MAX), _end, [process]), threading.Timer(LOADING, give_up)
     overtime.daemon = loading.daemon = True
     try:
         overtime.start()

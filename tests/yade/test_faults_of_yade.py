@@ -3,6 +3,8 @@
 import random
 import re
 import shutil
+import sys
+import threading
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -280,3 +282,15 @@ def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figure
     assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
     found, expected = answer(out), answer(undisturbed)
     assert found["yade"] == expected["yade"] and found["checks"] == expected["checks"]
+
+
+def test_a_time_limit_beyond_what_a_timer_takes_is_no_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`--time-limit 1e10` left the traceback of a thread on standard error, and nothing ended a YADE that hung."""
+    scripts, waits = tmp_path / "scripts", []
+    scripts.mkdir()
+    (scripts / "run_case.py").write_text("import pathlib, sys\npathlib.Path(sys.argv[2]).touch()\n", encoding="utf-8")
+    monkeypatch.setattr(process, "SCRIPTS", scripts)
+    timer = threading.Timer
+    monkeypatch.setattr(threading, "Timer", lambda seconds, *rest: waits.append(seconds) or timer(seconds, *rest))
+    process.run_yade(installation.Installation(Path(sys.executable), tmp_path), tmp_path, "", 1e308, lambda report: None)
+    assert (tmp_path / "run.h5").exists() and max(waits) == threading.TIMEOUT_MAX
