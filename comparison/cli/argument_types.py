@@ -19,6 +19,13 @@ def given_path(text: str) -> Path:
     return Path(text)
 
 
+def address(text: str) -> str:
+    """Parse the address of a scheduler: any text but an empty one, which would run everything on this machine."""
+    if not text:
+        raise argparse.ArgumentTypeError('"": must be the address of a scheduler; an unset variable of the shell gives an empty text')
+    return text
+
+
 def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
     """Return a type for paths to write, with one of these endings; `what` names the file in the error message, such as 'a figure'.
 

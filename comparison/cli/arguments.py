@@ -6,6 +6,7 @@ from pathlib import Path
 
 from comparison.cli.argument_types import (
     accuracy,
+    address,
     count,
     figure,
     frames_per_second,
@@ -178,7 +179,9 @@ def _add_campaign(add: AddVerb) -> None:
     )
     where = campaign.add_mutually_exclusive_group()
     where.add_argument("--workers", type=count, metavar="N", help="number of processes on this machine (default: its cores)")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
+    where.add_argument(
+        "--scheduler", type=address, metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder"
+    )
     campaign.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     campaign.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     campaign.add_argument("--long", action="store_true", help=LONG_HELP)

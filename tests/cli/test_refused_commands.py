@@ -61,6 +61,17 @@ def test_an_empty_path_is_refused_by_every_option_and_argument_that_takes_one(
     assert not list(tmp_path.iterdir())
 
 
+def test_an_empty_address_of_a_scheduler_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`--scheduler "$ADDRESS"` with an unset variable ran the campaign on the machine where it was typed."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as stop:
+        main(["campaign", "seed_paper", "--no-yade", "--scheduler", ""])
+    assert stop.value.code == 2 and "must be the address of a scheduler; an unset variable" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
