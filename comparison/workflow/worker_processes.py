@@ -112,7 +112,7 @@ class _Worker:
         self.process = _CONTEXT.Process(target=_serve, args=(function, theirs), daemon=True)
         self.work: Any = None
         self.attempt = 0
-        with _environment(ONE_THREAD | NOT_FROM_HERE), _interruptions_held(), _script_hidden():
+        with _environment(ONE_THREAD | NOT_FROM_HERE), _interruptions_held(), _stop_held(), _script_hidden():
             self.process.start()
         theirs.close()
 
@@ -146,6 +146,22 @@ def _interruptions_held() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextlib.contextmanager
+def _stop_held() -> Iterator[None]:
+    """Keep SIGTERM until a worker has started: one that gets half of what it needs to start ends with a traceback."""
+    if threading.current_thread() is not threading.main_thread():  # which no handler interrupts, and which sets none
+        yield
+        return
+    came: list[int] = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL if before is None else before)
+        for number in came[:1]:
+            signal.raise_signal(number)
 
 
 @contextlib.contextmanager

@@ -4,6 +4,8 @@ import json
 import os
 import shutil
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ import pytest
 from faulty_runs import (
     INTERRUPTED,
     PATIENCE,
+    ROOT,
     TOOL,
     crosscheck,
     dies,
@@ -154,3 +157,30 @@ def test_a_scene_whose_workers_all_die_is_named(
     monkeypatch.setattr("comparison.cli.scene_verbs.run._run_quietly", dies)
     assert main(["run", *PAIR, "-o", str(tmp_path / "out"), "--no-yade", "--workers", "2"]) == TOOL
     one_message(capsys.readouterr().err, "two_pads: its worker process ended with exit code 9", "fewer --workers")
+
+
+STOPPED_AT_A_START = """
+import os, signal, sys
+from multiprocessing import util
+from comparison.workflow import WorkerProcesses
+starts = util.spawnv_passfds
+def told(*arguments):
+    number = starts(*arguments)
+    os.kill(os.getpid(), signal.SIGTERM)  # before the worker has what it needs to start
+    return number
+signal.signal(signal.SIGTERM, signal.default_int_handler)
+try:
+    with WorkerProcesses(abs, 1) as workers:
+        from multiprocessing import resource_tracker
+        resource_tracker.ensure_running()
+        util.spawnv_passfds = told
+        workers.begin(1)
+except KeyboardInterrupt:
+    sys.exit(130)
+"""
+
+
+def test_a_sigterm_while_a_worker_starts_waits_until_it_has_started() -> None:
+    """A campaign that a batch scheduler ended in that moment left the traceback of a worker: EOFError: Ran out of input."""
+    ended = subprocess.run([sys.executable, "-c", STOPPED_AT_A_START], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == INTERRUPTED and ended.stderr == ""
