@@ -10,6 +10,7 @@ from pathlib import Path
 
 from comparison.errors import YadeMissingError
 from comparison.settings import load_settings
+from la_core.errors import visible
 
 TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values: those of Debian 12 and 13
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
@@ -148,10 +149,10 @@ def checked(installation: Installation) -> Yade:
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
-    complaint = answer.stderr.strip().splitlines() or ["fails without a message"]
+    complaint = visible(answer.stderr).strip().splitlines() or ["fails without a message"]
     if answer.returncode != 0:
         raise YadeMissingError(f"{python} {complaint[-1]}; install what is missing with: {HOW_TO_GET_YADE}")
-    version = answer.stdout.strip().splitlines()
+    version = visible(answer.stdout).strip().splitlines()
     if not version:
         raise YadeMissingError(f"{python} does not say which YADE it loads; install another one with: {HOW_TO_GET_YADE}")
     lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])

@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from faulty_runs import Fake
 from rich.console import Console
 from rich.table import Table
 
@@ -127,3 +128,17 @@ def test_markup_stays_text_in_the_tables_of_studies_and_comparisons(made: Callab
     console = Console(file=io.StringIO(), width=500, soft_wrap=True, emoji=False)
     show_table(console, made())
     assert MARKUP in console.file.getvalue()  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    "said", [r"printf '\033[31m0.0\n'; exit 0", r"printf '\033[31mno YADE\n' >&2; exit 1"], ids=["version", "complaint"]
+)
+def test_what_the_interpreter_of_yade_says_is_not_obeyed(
+    said: str, fake_python: Fake, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A script in the place of YADE's Python wrote to the terminal as it liked."""
+    fake_python(r"printf '\033[32mboo\n'; exit 7", said)
+    for words in (["doctor"], ["run", "two_pads", "-o", str(tmp_path / "out")]):
+        main(words)
+        told = "".join(capsys.readouterr())
+        assert r"\x1b" in told and "\x1b" not in told, words
