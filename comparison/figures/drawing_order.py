@@ -16,10 +16,11 @@ import shapely
 from la_core.geometry import Blocks, next_corners
 from la_core.model import Assembly
 
-NEAR = 1e-4  # of the largest extent of a block: boxes that are nearer than this touch
+NEAR = 1e-4  # of the largest extent of a block: boxes and faces that are nearer than this touch
 IN_PLANE = 1e-6  # of a block's size, and of a normal: faces this close to one plane lie in it
 GRID = 1e-7  # of the structure's size: joined faces have their corners on a grid this fine
 SLIVER = 10.0  # times the grid: what is narrower than about this is round-off
+LEVEL = 1e-9  # cosine between a face's normal and the view, below which the face is seen edge-on
 AT_A_TIME = 500  # blocks that are held against all others in one array, or points against the parts before them
 
 
@@ -58,21 +59,46 @@ def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
 def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return pairs of blocks, the one behind and the one before it, of which at least one was set aside.
 
-    A model has no interfaces of blocks that it sets aside. Their bounding boxes tell the order where they touch.
+    A model has no interfaces of blocks that it sets aside. A face tells the order where it parts two blocks that touch in its plane.
     """
-    near = NEAR * float((blocks.high - blocks.low).max())
+    near, towards = NEAR * float((blocks.high - blocks.low).max()), blocks.face_normal @ toward
     behind, before = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
     for some in np.array_split(aside, len(aside) // AT_A_TIME + 1):
         low, high = blocks.low[some, None], blocks.high[some, None]
         laps = np.minimum(high, blocks.high) - np.maximum(low, blocks.low)  # (some, B, 3): extents that two boxes share
-        for axis in range(3):
-            beside = (laps[:, :, [k for k in range(3) if k != axis]] > near).all(axis=2) & (np.abs(laps[:, :, axis]) <= near)
-            one, other = np.nonzero(beside)
-            after = (blocks.centroid[other, axis] - blocks.centroid[some[one], axis]) * toward[axis] > 0.0
-            behind.append(np.where(after, some[one], other))
-            before.append(np.where(after, other, some[one]))
+        one, other = np.nonzero((laps >= -near).all(axis=2) & ((laps > near).sum(axis=2) >= 2) & (some[:, None] != np.arange(len(blocks))))
+        one = some[one]
+        (face, pair, gap), (back, back_pair, back_gap) = _parting(blocks, one, other, near), _parting(blocks, other, one, near)
+        pair, gap, along = np.append(pair, back_pair), np.append(gap, back_gap), np.append(towards[face], -towards[back])
+        apart, is_before, is_behind = (
+            np.bincount(pair[found], minlength=len(one)) > 0 for found in (gap > near, along > LEVEL, along < -LEVEL)
+        )
+        known = ~apart & (is_before != is_behind)  # else they do not touch, or neither hides a part of the other
+        behind.append(np.where(is_before, one, other)[known])
+        before.append(np.where(is_before, other, one)[known])
     pairs = np.unique(np.stack([np.concatenate(behind), np.concatenate(before)], axis=1), axis=0)  # each pair once
     return pairs[:, 0], pairs[:, 1]
+
+
+def _parting(blocks: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the faces of `one` (K,) whose planes part it from `other` (K,), the pair of blocks of each, and the gap before each, m."""
+    face, pair = _rows(np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1)), one)
+    lowest, highest = (
+        extremum.reduceat(np.sum(blocks.vertices[corner] * blocks.face_normal[face[of]], axis=1), np.searchsorted(of, np.arange(len(face))))
+        for extremum, (corner, of) in (
+            (np.minimum, _rows(blocks.vertex_start, other[pair])),
+            (np.maximum, _rows(blocks.vertex_start, one[pair])),  # a face in a notch has stone of its own block before it
+        )
+    )
+    parts = (lowest >= highest - near) & (highest <= blocks.face_offset[face] + near)
+    return face[parts], pair[parts], (lowest - highest)[parts]
+
+
+def _rows(start: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows of some groups (K,) of a flat array, group after group, and the place in `some` of each row's group."""
+    count = np.diff(start)[some]
+    place = np.repeat(np.arange(len(some)), count)
+    return np.arange(count.sum()) + (start[some] - np.cumsum(count) + count)[place], place
 
 
 def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
@@ -91,14 +117,14 @@ def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float
         point, part = tree.query(shapely.points(places[some]))
         count = np.diff(start)[part]
         first = np.cumsum(count) - count  # of the faces of each part, side by side for all points
-        face = np.arange(count.sum()) + np.repeat(start[part] - first, count)
+        face, _ = _rows(start, part)
         along = towards[face]
         inside = parts.face_offset[face] - np.sum(points[some[point]].repeat(count, axis=0) * parts.face_normal[face], axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             cut = inside / along  # distance towards the viewer to each face's plane
-        leave = np.minimum.reduceat(np.where(along > 1e-9, cut, np.inf), first)
-        enter = np.maximum.reduceat(np.where(along < -1e-9, cut, -np.inf), first)
-        missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), first)
+        leave = np.minimum.reduceat(np.where(along > LEVEL, cut, np.inf), first)
+        enter = np.maximum.reduceat(np.where(along < -LEVEL, cut, -np.inf), first)
+        missed = np.logical_or.reduceat((np.abs(along) <= LEVEL) & (inside < 0.0), first)
         stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
         hidden[some[point[stone > least]]] = True
     return hidden
