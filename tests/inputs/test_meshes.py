@@ -11,6 +11,7 @@ import scenes
 from conftest import CrossChecked
 from mesh_files import (
     BOX_FACES,
+    TRIANGLES,
     as_compas,
     as_compas_list_of_elements,
     as_compas_meshes,
@@ -32,6 +33,7 @@ from mesh_files import (
 from comparison.cli.commands import main
 from la_core.analysis.case_file import scene_digest
 from la_core.model.assembly import assemble
+from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.scene import load_scene
 
 EXACT = 1e-6  # of the weight: residuals of a solved answer are below this
@@ -64,6 +66,22 @@ def test_names_roles_and_densities_come_from_the_table(tmp_path: Path) -> None:
         name: role for name, (_, role) in wall().items()
     }
     assert scene.weight == pytest.approx(1000.0 * 9.81 * 1.6 * 0.3 * 0.6)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_names_are_read_in_the_encodings_in_which_programs_write_them(encoding: str) -> None:
+    bodies = {"Stütze links": wall()["pad"][0], "Stütze é": wall()["ground"][0]}
+    objects = obj(bodies).partition("\n")[2]  # the first line names the first body
+    solids = ""
+    for name, points in bodies.items():
+        loops = ("\n".join(f"vertex {x!r} {y!r} {z!r}" for x, y, z in points[list(triangle)].tolist()) for triangle in TRIANGLES)
+        facets = (f"facet normal 0 0 0\nouter loop\n{loop}\nendloop\nendfacet" for loop in loops)
+        solids += "\n".join([f"solid {name}", *facets, f"endsolid {name}", ""])
+    for suffix, text in ((".obj", objects), (".stl", solids)):
+        if suffix == ".obj" or encoding != "utf-16":
+            found = surfaces(suffix, text.encode(encoding), "file")
+            assert [body.name for body in found] == list(bodies)
+            assert [len(body.faces) for body in found] == [len(BOX_FACES if suffix == ".obj" else TRIANGLES)] * 2
 
 
 def test_a_mesh_is_scaled_then_turned_then_shifted(tmp_path: Path) -> None:

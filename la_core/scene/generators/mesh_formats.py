@@ -3,6 +3,7 @@
 The content is data: no other file that it names is opened or run.
 """
 
+import codecs
 import io
 import json
 import re
@@ -21,6 +22,7 @@ _PLY_NUMBERS = {  # of the format's types, the codes of `struct`
     "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
     "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d",
 }  # fmt: skip
+STL_IN_TEXT = re.compile(rb"(\xef\xbb\xbf)?\s*solid[^\0]*\Z")  # the head of a binary file may begin with the same word
 DEFAULT_GROUP = "default"  # name of the group before any `g`; some programs write it although it is empty
 
 
@@ -30,10 +32,20 @@ def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
     Raises ValueError with the fault of the content, and ImportError where the reader of PLY and STL is missing.
     """
     if suffix == ".obj":
-        return _obj_surfaces(content.decode("utf-8", errors="replace"), stem)
+        return _obj_surfaces(_text(content), stem)
     if suffix == ".json":
         return _compas_surfaces(content)
     return _surfaces_by_trimesh(suffix, content, stem)
+
+
+def _text(content: bytes) -> str:
+    """The content of a text file: UTF-8, UTF-16 with its mark, or else the code page in which older programs for Windows write names."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
 
 
 def _obj_surfaces(text: str, stem: str) -> list[Surface]:
@@ -80,7 +92,10 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
     import trimesh  # noqa: PLC0415 - an optional extra
 
     try:
-        content = _ply_in_text(content) if suffix == ".ply" else content
+        if suffix == ".ply":
+            content = _ply_in_text(content)
+        elif STL_IN_TEXT.match(content):
+            content = _text(content).encode()
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
         bodies = {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
     except ImportError as error:  # trimesh takes bytes that are no STL for text in an unknown encoding, and has no package for that
