@@ -11,10 +11,9 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import MaxNLocator
 
 from comparison.figures.drawing_order import OuterFaces, are_behind, back_to_front, unit_normals
-from comparison.figures.line_labels import extent, font_size
+from comparison.figures.line_labels import axis_numbers, beside_axis, extent, font_size
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
@@ -257,16 +256,16 @@ class Canvas:
             (2, np.array([low[0] - gap, low[1], low[2]]), np.array([-1.2 * gap, 0.0, 0.0])),
         )
         for axis, corner, outward in edges:
-            along = np.eye(3)[axis]
-            length = high[axis] - low[axis]
+            along, length = np.eye(3)[axis], high[axis] - low[axis]
             count = max(1, round(6.0 * length / structure_size(self.blocks)))
-            ticks = [t for t in MaxNLocator(count, min_n_ticks=2).tick_values(low[axis], high[axis]) if low[axis] <= t <= high[axis]]
-            self.outlines([np.array([corner, corner + length * along])], INK, 0.8)
+            ticks, words = axis_numbers(low[axis], high[axis], count, self.scale * np.abs(self.flat(along)))
             starts = [corner + (tick - low[axis]) * along for tick in ticks]
-            self.outlines([np.array([start, start + 0.4 * outward]) for start in starts], INK, 0.8)
-            for tick, start in zip(ticks, starts, strict=True):
-                self.text(start + 1.2 * outward, f"{tick:g}", 7.0)
-            self.text(corner + 0.5 * length * along + (2.6 if axis < 2 else 3.4) * outward, f"{'xyz'[axis]} (m)", 8.0)
+            self.outlines([np.array([corner, corner + length * along]), *(np.array([s, s + 0.4 * outward]) for s in starts)], INK, 0.8)
+            name, far = f"{'xyz'[axis]} (m)", (2.6 if axis < 2 else 3.4) * outward
+            off = beside_axis(words, name, -self.scale * (outward @ self.right)) / self.scale if axis == 2 else np.zeros(2)
+            for word, start in zip(words, starts, strict=True):
+                self.text(start + 1.2 * outward - off[0] * self.right, word, 7.0)
+            self.text(corner + 0.5 * length * along + far - off[1] * self.right, name, 8.0)
 
 
 def arrow_style(colour: str) -> dict[str, Any]:

@@ -1,10 +1,13 @@
 """Size of words; labels beside lines and inside bands, where they fit without covering another line."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 ROW = 0.055  # of the height of axes 3.8 inches high: one row of text and its gap to the line
 SIZE = 8.0  # pt
@@ -45,6 +48,33 @@ def extent(words: str, size: float) -> np.ndarray:
     """Return width and height (2,) of words at a font size (pt), about, pt."""
     lines = words.split("\n")
     return size * np.array([0.62 * max(map(len, lines)), 1.2 * len(lines)])
+
+
+def axis_numbers(low: float, high: float, most: int, spread: np.ndarray) -> tuple[list[float], list[str]]:
+    """Return the ticks of an axis between two values, and the numbers beside them, with as many digits as tell them apart.
+
+    There are about as many as `most`, fewer where the numbers would cover each other: coordinates of a survey are long.
+    spread: width and height (2,), pt, of a unit of the axis.
+    """
+    for count in range(most, 0, -1):
+        ticks = [float(tick) for tick in MaxNLocator(count, min_n_ticks=2).tick_values(low, high) if low <= tick <= high]
+        step = min((after - before for before, after in pairwise(ticks)), default=1e-3 * (high - low))
+        digits = max(2 - math.floor(math.log10(step)), 0)
+        words = [f"{round(tick, digits) + 0.0:.{digits}f}" for tick in ticks]
+        words = [word.rstrip("0").rstrip(".") if digits else word for word in words]
+        if all(np.any(extent(word, 7.0) <= step * spread) for word in words):
+            break
+    return ticks, words
+
+
+def beside_axis(words: Sequence[str], name: str, room: float) -> np.ndarray:
+    """Return how much farther out (2,), pt, the numbers of an upright axis and its name lie so as not to cover each other or the axis.
+
+    room: distance, pt, in which the middle of the numbers lies 1.2 times, and that of the name 3.4 times.
+    """
+    half, of_name = (extent(max(some, key=len), size)[0] / 2.0 for some, size in (([*words, ""], 7.0), ([name], 8.0)))
+    aside = max(half - room, 0.0)
+    return np.array([aside, max(aside + half + of_name - 2.2 * room, 0.0)])
 
 
 def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = (), row: float = ROW) -> set[str]:

@@ -1,7 +1,7 @@
 """Words in figures name what pushes, and keep off lines, frames and each other."""
 
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from matplotlib.text import Text
 from scenes import box, build, shipped
 
 import la_core
+from comparison.figures import canvas as drawing
 from comparison.figures import motions, reaction_figure, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
@@ -130,6 +131,33 @@ def test_figures_of_a_large_structure_have_no_powers_of_ten(tmp_path: Path) -> N
     words = [text.get_text() for figure in figures for text in figure.findobj(Text)]
     assert any("lies above" in word for word in words) and any("a support motion of" in word for word in words)
     assert not [word for word in words if "e+" in word]
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (5.2e6, -4.5e5, 300.25)])
+def test_numbers_of_the_axes_in_space_tell_apart_and_cover_nothing(shift: tuple[float, float, float]) -> None:
+    """Coordinates of a survey were all 5.2e+06, and long numbers lay on the axis."""
+
+    def moved(*corner: float) -> tuple[float, ...]:
+        return tuple(np.add(corner, shift).tolist())
+
+    ground = box("ground", moved(0.0, 0.0, -0.2), moved(1.0, 1.0, 0.0), "fixed")
+    block = box("block", moved(0.0, 0.0, 0.0), moved(0.5, 0.9, 0.7))
+    assembly = assemble(build(ground, block, live=(1.0, 0.0, 0.0), plane=False))
+    figure = structure.Figure(figsize=(11.0, 9.0))
+    figure.subplots_adjust(left=0.06, right=0.94, wspace=0.0)
+    axes = drawing.canvases(figure, assembly, 2)[0].axes
+    figure.draw_without_rendering()
+    words = [text for text in axes.texts if text.get_text()]
+    names = [words.index(text) for text in words if text.get_text().endswith("(m)")]
+    by_axis = [words[start + 1 : end] for start, end in pairwise([-1, *names])]
+    boxes = [[text.get_window_extent() for text in numbers] for numbers in by_axis]
+    for numbers, of_axis in zip(by_axis, boxes, strict=True):
+        assert 2 <= len(numbers) == len({text.get_text() for text in numbers})
+        assert not any(one.overlaps(other) for one, other in combinations(of_axis, 2))
+    corner = assembly.blocks.low.min(axis=0) - [0.03 * drawing.structure_size(assembly.blocks), 0.0, 0.0]
+    axis = axes.transData.transform(np.stack(drawing.view_axes(plane=False)[:2]) @ corner)[0]
+    name = words[names[2]].get_window_extent()
+    assert all(name.x1 < number.x0 and number.x1 < axis for number in boxes[2])
 
 
 def test_names_of_blocks_in_space_do_not_cover_each_other() -> None:
