@@ -132,6 +132,17 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         (", to = [", ",\n  to = [", "a table in braces { } begins and ends on one line"),
         ("[[block]]", "[block]", "have double brackets, as [[block]]"),
         ("= 0.6", "= 0.6\nfriction = 0.5", "the key stands twice; give it once"),
+        ("[joint]", "[[joint]]", "must be a table; write it below [joint] in single brackets, or as { ... }"),
+        (
+            "[settlement]",
+            '[tie]\nblocks = ["block"]\nfrom = [1, 0, 0]\nto = [2, 0, 0]\nforce = 1e3\n[settlement]',
+            "rods of given tension; write it below [[tie]] in double brackets, or as [{ ... }]",
+        ),
+        (
+            "[0.0, 0.0, -1.0]",
+            '[0.0, 0.0, -1.0]\nzone = { blocks = ["settling pad"], ratio = 0.5 }',
+            "write it below [[settlement.zone]] in double brackets, or as [{ ... }]",
+        ),
         ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
         ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is the tangent of this angle, 0.700"),
         ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),
