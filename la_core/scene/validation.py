@@ -149,9 +149,10 @@ def _slip(error: Any) -> str:
     plain, unit = number[1].replace(",", "."), number[2].strip()
     if error["loc"][-1] == "friction" and unit.startswith(("deg", "°")):
         return f"the friction of {plain} degrees is the tangent of this angle, {math.tan(math.radians(float(plain))):.3f}"
-    if unit:
-        return f"write the number alone, without quotes and unit: {plain}; all numbers are in SI units (m, kg, N, s)"
-    return f"write the number alone, without quotes: {plain}"
+    alone = "write the number alone, without quotes"
+    if unit.startswith("%"):
+        return f"{alone}, as a share of one: {float(plain) / 100.0:g} for {plain} %"
+    return f"{alone} and unit: {plain}; all numbers are in SI units (m, kg, N, s)" if unit else f"{alone}: {plain}"
 
 
 def _is_of_a_type(step: str | int) -> bool:

@@ -143,6 +143,7 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
             '[0.0, 0.0, -1.0]\nzone = { blocks = ["settling pad"], ratio = 0.5 }',
             "write it below [[settlement.zone]] in double brackets, or as [{ ... }]",
         ),
+        ("= 0.6", '= "60 %"', "write the number alone, without quotes, as a share of one: 0.6 for 60 %"),
         ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
         ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is the tangent of this angle, 0.700"),
         ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),
