@@ -16,7 +16,7 @@ LOOK = f"Look at both mechanisms and both curves of the reaction in the report. 
 SUPPORT_IT = (
     "Look for a gap, a missing support, or a joint without contact or with too little friction where these blocks rest (`crosscheck show` "
     "draws the joints). Contact at an edge or a corner alone is no joint: cut the edge to a face of some millimetres. If scene and "
-    "friction are right, the structure needs more support."
+    "friction are right, the structure is too thin or needs more support."
 )
 CHECK_LOADS = (
     "Look at the loads and ties on these blocks (`crosscheck show` draws them), and whether the structure stands without them. Then look "

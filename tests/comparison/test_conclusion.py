@@ -145,6 +145,14 @@ def test_an_arch_that_slips_out_of_its_joints_is_told_to_look_at_their_friction(
     assert found.verdict is Verdict.CANNOT_STAND and "too little friction" in found.next_step
 
 
+def test_an_arch_in_which_no_line_of_thrust_fits_is_told_that_it_may_be_too_thin() -> None:
+    """Friction and supports are right: an arch of 0.3 m stands on the same ones."""
+    thin, thick = (analyse(scenes.build(scenes.arch(13, thickness), friction=1.0)) for thickness in (0.1, 0.3))
+    assert conclusion_of(thick, [], None).verdict is not Verdict.CANNOT_STAND
+    found = conclusion_of(thin, [], None)
+    assert found.verdict is Verdict.CANNOT_STAND and "is too thin or needs more support" in found.next_step
+
+
 @pytest.mark.parametrize(("shift", "verdict"), [(0.1999, Verdict.CANNOT_STAND), (0.205, Verdict.CANNOT_STAND), (0.21, Verdict.DISAGREE)])
 def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float, verdict: Verdict) -> None:
     """A corbel of five stones falls where each is shifted by more than 1/5 of its length less two insets, 0.1996 m."""
