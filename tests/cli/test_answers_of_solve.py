@@ -161,6 +161,21 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
         assert "| pressed | ? inconclusive | unbounded |" in (tmp_path / "out" / "report.md").read_text()
 
 
+def test_a_block_that_only_a_thrust_could_hold_may_fall_where_nothing_limits_the_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Laid without thrust between two walls, the block slides down, as in YADE; the associated rule lets it lock and bear any load."""
+    left, right = (
+        scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
+        scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 1.0), "fixed"),
+    )
+    path = tmp_path / "between.toml"
+    path.write_text(scenes.text(left, right, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), live=(0.0, 0.0, -1.0), model="coulomb"))
+    assert main(["solve", str(path)]) == 4
+    captured = capsys.readouterr()
+    assert "they may jam, or slide and fall for want of a thrust." in " ".join((captured.out + captured.err).split())
+
+
 def test_a_tilt_that_a_wall_resists_at_any_angle_points_to_its_axis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "leaning.toml"
     stones = (

@@ -42,7 +42,7 @@ OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
     "this motion, so no bound exists. If the direction is right, the blocks lock as they dilate"
 )
-JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
+JAM = ", and without dilatancy they come to no certain plateau either: they may jam, or slide and fall for want of a thrust"
 MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
 OTHER_THRUST = (
