@@ -208,7 +208,7 @@ def bounds_words(analysis: LimitAnalysis) -> str:
     if main.status is not Status.SOLVED:
         return f"bounds: {main.status}"
     if scene.live is not None:
-        return f"bound: {value_words(scene, main.value)}{edges}"
+        return f"bound: {value_words(scene, without_round_off(main.value, 1.0))}{edges}"
     greatest = bounds[Drive.PUSHING]
     lowest, highest = (without_round_off(value, scene.weight) for value in (main.value, greatest.value))
     values, shares = (value_range(lowest / unit, highest / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight))

@@ -286,13 +286,13 @@ def _angle_rows(before: str, answer: dict[str, Any]) -> Iterator[tuple[str, str,
     """Yield the angle at which the ground of a [tilt] fails its structure, and its uncertainty. before: first words of the rows."""
     for name, digits in (("angle", 5), ("angle_uncertainty", 2)):
         if name in answer:
-            yield f"{before}{name.replace('_', ', ')}, degrees", number_text(answer[name], digits), ""
+            angle = without_round_off(answer[name], math.degrees(1.0)) if name == "angle" and exists(answer[name]) else answer[name]
+            yield f"{before}{name.replace('_', ', ')}, degrees", number_text(angle, digits), ""
 
 
 def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
-    """Return the row of a reaction, which is 0 where it is only round-off, or of a multiplier."""
-    if value is not None and scene.live is None:
-        value = without_round_off(value, scene.weight)
+    """Return the row of a reaction or of a multiplier, which is 0 where it is only round-off."""
+    value = None if value is None else without_round_off(value, scene.weight if scene.live is None else 1.0)
     return name, number_text(value), _over_weight_text(scene, value, 6)
 
 

@@ -190,6 +190,17 @@ def test_a_tilt_that_a_wall_resists_at_any_angle_points_to_its_axis(tmp_path: Pa
     assert "Limit analysis ended as unbounded" in told and "the axis of the tilt" in told
 
 
+@pytest.mark.parametrize("drive", [{"live": (1.0, 0.0, 0.0)}, {"tilt": (0.0, 1.0, 0.0)}], ids=["push", "tilt"])
+def test_a_multiplier_of_round_off_is_zero(drive: dict[str, tuple[float, ...]], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A block without friction bears no push; the solver leaves some 1e-11 of it."""
+    path = tmp_path / "ice.toml"
+    ground, block = scenes.box("ground", (-1.0, 0.0, -0.1), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    path.write_text(scenes.text(ground, block, friction=0.0, model="coulomb", **drive))
+    assert main(["solve", str(path)]) == 0
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if "multiplier" in line or " angle, degrees" in line]
+    assert len(rows) >= 3 and {row[-1] for row in rows} == {"0"}
+
+
 def in_a_slot(inset: float = 0.001, **effects: str) -> str:
     """A scene: a block that is pulled aslant out of a slot."""
     return scenes.text(*slot(), friction=0.3, inset=inset, live=(1.0, 0.0, 1.0), model="auto", effects=effects)

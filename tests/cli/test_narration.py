@@ -15,7 +15,7 @@ from comparison import progress
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE
 from comparison.progress import LINE_EVERY, Narration
-from la_core.analysis import analyse
+from la_core.analysis import AnalysisSettings, analyse
 from la_core.coulomb import PathProgress
 from la_core.limit import Drive, Status
 from la_core.scene import load, variant
@@ -141,6 +141,13 @@ def test_a_bound_of_round_off_is_zero() -> None:
     bounds[Drive.YIELDING] = dataclasses.replace(bounds[Drive.YIELDING], value=6.4e-7)  # of a slab that tips off its support
     changed = dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, bounds=bounds))
     assert progress.bounds_words(changed) == "bounds: R 0 to 2154 N, R/W 0 to 0.9980"
+
+
+def test_a_bound_of_round_off_on_a_multiplier_is_zero() -> None:
+    analysis = analyse(variant(load("ferris_tin_loi_1"), {"joint.inset": 0.001}), AnalysisSettings(bounds_only=True))
+    bounds = {drive: dataclasses.replace(bound, value=1.5e-11) for drive, bound in analysis.bounds.items()}  # of a block without friction
+    changed = dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, bounds=bounds))
+    assert progress.bounds_words(changed) == "bound: multiplier 0"
 
 
 def test_bounds_of_sharp_edges_are_called_so() -> None:
