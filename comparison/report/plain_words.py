@@ -9,7 +9,7 @@ import numpy as np
 from comparison.numbers import Units, format_number, several_plateaus, with_uncertainty
 from comparison.report.values import associated_of, rounding_change, rounding_words
 from comparison.verdict import Verdict
-from la_core.text_table import PLACES, coordinate_text, exists
+from la_core.text_table import PLACES, coordinate_text, exists, without_round_off
 
 BOUND = "associated"  # the answer that is a bound where no Coulomb prediction is known
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
@@ -60,7 +60,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     weight, unit = comparison.get("weight"), comparison.get("unit", "N")
     is_held_back = exists(predicted) and exists(weight) and predicted < -HELD_BACK * weight
     if exists(predicted) and exists(weight) and weight:
-        share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
+        percentage = format_number(100.0 * without_round_off(predicted, weight) / weight, 3)
+        share = f", {percentage} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         by_motion = "settles" in moves or not moves
         carries_it = by_motion and not is_held_back
         of_force = "The support then still carries" if carries_it else "The force on the support along its motion is then"

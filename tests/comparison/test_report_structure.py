@@ -191,6 +191,13 @@ def test_the_conclusion_says_what_a_negative_reaction_means(motion: list[float],
     assert ("still carries" in told) == (not words)
 
 
+def test_the_share_of_a_reaction_of_round_off_is_0_percent() -> None:
+    """A block on a support that slides in level: the sentence said "0 kN, -1e-7 % of the weight"."""
+    answer = {"status": "solved", "reaction": -1e-6}
+    comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS, "weight": 1000.0, "unit": "N"}
+    assert "0 kN, 0 % of the weight W" in " ".join(plain_words(comparison, Units(1000.0)))
+
+
 def test_the_conclusion_names_the_weight_that_is_pushed() -> None:
     """A block of 1000 N and a mass on it are pushed; a load by force counts in W and is not pushed."""
     loads = [{"name": "mass", "force": [0.0, 0.0, -100.0], "mass": 100.0 / 9.81, "blocks": 1}]
