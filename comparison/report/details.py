@@ -131,7 +131,7 @@ ENERGY_NOTE = (
     "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
     "signs. Where weight and live load oppose each other, each of them may do more work than this. The forces between two "
     "stored states are taken as their mean. The error of this mean is work that is not accounted for, and may make a small dissipation "
-    "negative."
+    "negative. Where less is turned over than the work of 1 % of the weight over the settlement, the check takes its shares of this work."
 )
 
 GROUND_NOTE = (

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from made_up_comparisons import comparison_of, page_and_markdown
 
+from comparison.judge.checks.energy import LEAST_TURNOVER
 from comparison.judge.summary import limit_analysis_summary
-from comparison.numbers import Units
+from comparison.numbers import Units, percent
 from comparison.report import predicted_value, report, structure_facts
 from comparison.report.inputs import input_rows, key_rows, setting_rows
 from comparison.report.plain_words import plain_words
@@ -268,6 +269,7 @@ def test_the_energies_say_what_they_cover_and_what_the_turnover_is(recording: st
     assert f"Energy of YADE's run, {span}<" in page and f"| energy of YADE's run, {span} |" in markdown
     for text in (page, markdown):
         assert "−200.00 %" in text and "The turnover is the sum of the work on each block" in text
+        assert f"the work of {percent(LEAST_TURNOVER)} of the weight over the settlement, the check takes its shares of this work" in text
 
 
 def test_a_block_alone_is_no_share_of_all_blocks() -> None:
