@@ -47,6 +47,13 @@ def test_a_value_in_another_unit_or_of_another_key_is_recognised(key: str, value
     assert expected in step(la_core.load("two_pads"), {key: value})
 
 
+def test_a_push_that_is_expected_as_a_positive_reaction_is_recognised() -> None:
+    """The pad rises: by statics it lifts the block with W, and the reaction is that force with a minus."""
+    lifted = la_core.variant("two_pads", {"settlement.direction": [0.0, 0.0, 1.0]})
+    found = step(lifted, {"reaction_over_weight": 1.0})
+    assert "seems to have the wrong sign: the reaction is negative here, because the structure holds the support back" in found
+
+
 def test_a_value_of_a_model_that_weighs_a_newton_is_not_said_to_be_in_newtons() -> None:
     """R and R/W are nearly the same number there."""
     model = la_core.variant("two_pads", {"gravity": [0.0, 0.0, -9.81 / 2158.2]})

@@ -86,6 +86,7 @@ def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, 
     slips = (
         (solution is analysis.coulomb and abs(number - computed) <= 2.0 * shift, next_steps.SHARP_EDGES),
         (computed > 0.0 and near(-computed), next_steps.SIGN.format(quantity=scene.quantity)),
+        (computed < 0.0 and near(-computed), next_steps.MINUS),
         (
             scene.live is None and near(solution.value) and not near(computed),
             next_steps.IN_NEWTONS.format(unit=scene.unit, weight=scene.weight),

@@ -13,6 +13,7 @@ IN_NEWTONS = "The value of [expected] seems to be in {unit}: divide it by the we
 PERCENT = "The value of [expected] seems to be in percent: write it as a share of one, 0.5 for 50 %."
 ANGLE = "The value of [expected] seems to be an angle in degrees: the multiplier is its tangent."
 SIGN = "The value of [expected] seems to have the wrong sign: the {quantity} is positive here."
+MINUS = "The value of [expected] seems to have the wrong sign: the reaction is negative here, because the structure holds the support back."
 OTHER_KEY = "The value of [expected] seems to be the {meaning}: give it as `{key}`."
 SHARP_EDGES = (
     "The value of [expected] may hold for sharp edges, but the prediction is for the scene's inset, because joints slide: set `inset = 0` "
