@@ -52,7 +52,8 @@ OTHER_THRUST = (
 )
 NO_THRUST = (
     "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Where weights "
-    "or dead loads carry off what the live load has moved, the structure bears less and less: work with the bound, which it cannot pass."
+    "or dead loads carry off what the live load has moved, the structure bears less and less: work with the bound, if there is one; "
+    "no load passes it."
 )
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
