@@ -176,9 +176,13 @@ def test_forces_that_jump_between_stored_states_are_told_from_a_long_time_step()
     moved = {name: share * last[name] for name in ("displacement", "rotation")}
     rough = Poses(settlement=SINK * share[:, 0, 0], forces=sticks * last["forces"], **moved)
     rows = {name: np.repeat(values, 10, axis=0) for name, values in vars(run.record).items()}  # more than states
-    (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough, record=dataclasses.replace(run.record, **rows)))
+    sparse = dataclasses.replace(run, poses=rough, record=dataclasses.replace(run.record, **rows))
+    (check,) = check_energy(assembly, sparse)
     assert check.verdict is Verdict.INCONCLUSIVE and "the forces change so much that this balance is known to ±" in check.reason
     assert "[yade] poses" in check.next_step and "time_step" not in check.next_step
+    asked = {"poses": 1200, "record_rows": 1200}  # that advice was followed, and a block that springs moves past the rows themselves
+    (check,) = check_energy(assembly, dataclasses.replace(sparse, settings={**run.settings, **asked}))
+    assert "set [yade] record_rows and poses to ten times" in check.next_step
     (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough))  # every row has its state: no more can be stored
     assert "time_step" in check.next_step and "[yade] poses" not in check.next_step
 

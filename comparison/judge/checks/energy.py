@@ -6,6 +6,7 @@ used. The part of the work that is not accounted for is the drift.
 """
 
 import dataclasses
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ FALLS = ": blocks fall or jump, and between two stored states their contact forc
 LOOK_FOR_FALL = "See which blocks fall (`crosscheck animate`), and hold them or leave them out."
 SHORTER_STEP = "Run YADE with a shorter time step: half of the [yade] time_step_share that the report lists."
 MORE_STATES = "Store more states: set [yade] poses to the record_rows that the report lists."
+MORE_ROWS = "Record and store more states: set [yade] record_rows and poses to ten times the record_rows that the report lists."
 LEAST_TURNOVER = 0.01  # of the weight times the settlement: where less is turned over, the blocks stand, and the rest is noise
 DRIFT = 0.05  # of the turnover: forces between two stored states are taken as the mean of both
 COVERAGE = 1.96  # standard deviations of a sum of random errors that cover it 19 times in 20
@@ -118,6 +120,8 @@ def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
             falls = found.kinetic > DRIFT * max(found.turnover, least)
             scatter = _scatter(assembly, run) / max(found.turnover, least)
             cause, step = (FALLS, LOOK_FOR_FALL) if falls else _cause(drift, scatter, len(run.poses.settlement) < len(run.record))
+            if step == MORE_STATES and run.settings.get("poses", 0.0) >= run.settings.get("record_rows", math.inf):
+                step = MORE_ROWS  # as many states as rows were asked for already
             verdict, message = Verdict.INCONCLUSIVE, share + cause
         yield Check("energy of the YADE run", verdict, 0.0, drift, drift, DRIFT, "of the turnover", message, step)
 
