@@ -1,8 +1,8 @@
 """Limit analysis from Python: solve a scene, read its values by name, show them as a table."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import degrees, nan
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,6 @@ from la_core.measures import joint_rows
 from la_core.pictures import picture
 from la_core.scene import Scene, load
 from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, exists, number_text, over_weight, without_round_off
-
-NAN = math.nan
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -82,19 +80,19 @@ class Answer(Tabled):
     def coulomb(self) -> float:
         """Predicted reaction (N, N m) or multiplier, for friction without dilatancy; NaN if only bounds are computed."""
         coulomb = self.analysis.printed.coulomb
-        return NAN if coulomb is None else coulomb.value
+        return nan if coulomb is None else coulomb.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, whatever friction's history; infinite: no limit."""
         coulomb = self.analysis.printed.coulomb
-        return (NAN, NAN) if coulomb is None else coulomb.interval
+        return (nan, nan) if coulomb is None else coulomb.interval
 
     @property
     def uncertainty(self) -> float:
         """Stated uncertainty of the prediction (N, N m, multiplier); NaN where it is unknown, infinite where the blocks fell."""
         coulomb = self.analysis.printed.coulomb
-        return NAN if coulomb is None else coulomb.uncertainty
+        return nan if coulomb is None else coulomb.uncertainty
 
     @property
     def plateaus(self) -> tuple[float, ...]:
@@ -116,7 +114,7 @@ class Answer(Tabled):
     def coulomb_sharp(self) -> float:
         """`coulomb` for sharp edges; NaN where joints slide and the scene's edges are rounded."""
         coulomb = self.analysis.sharp.coulomb
-        return NAN if coulomb is None else coulomb.value
+        return nan if coulomb is None else coulomb.value
 
     @property
     def mechanism(self) -> np.ndarray:
@@ -193,7 +191,7 @@ class Answer(Tabled):
 
     def _bound(self, drive: Drive, sharp: bool) -> float:
         bounds = (self.analysis.sharp if sharp else self.analysis.printed).bounds
-        return bounds[drive].value if drive in bounds else NAN
+        return bounds[drive].value if drive in bounds else nan
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         return self.scene.title, answer_headings(self.scene), list(answer_rows(self.scene, self.values))
@@ -267,16 +265,18 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     """Yield the rows of the prediction: value, interval, sharp value, residuals and cost."""
     yield "Coulomb: status", answer["status"], ""
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
-    yield "Coulomb: uncertainty", number_text(answer["uncertainty"], 2), _over_weight_text(scene, answer["uncertainty"], 2)
+    yield _row(scene, "Coulomb: uncertainty", answer["uncertainty"], 2)
     yield from _angle_rows("Coulomb: ", answer)
     yield from (_quantity(scene, "Coulomb: one of several plateaus", plateau) for plateau in answer["plateaus"])
     is_predicted = exists(answer[scene.quantity])  # else no interval is withheld
     for which, end in zip(("least", "greatest"), answer[f"{scene.quantity}_interval"], strict=True):
         name = f"Coulomb: {which} by its mechanism"
         yield (name, answer["interval_status"], "") if is_predicted and not exists(end) else _quantity(scene, name, end)
-    for name, key in (("sharp", f"{scene.quantity}_sharp"), ("after release", "released")):
-        if exists(answer[key]):
-            yield _quantity(scene, f"Coulomb: {scene.quantity} {name}", answer[key])
+    if exists(answer[f"{scene.quantity}_sharp"]):
+        yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
+    if exists(answer["released"]):
+        yield _quantity(scene, f"Coulomb: {scene.quantity} after release", answer["released"])
+        yield _row(scene, "Coulomb: uncertainty after release", answer["released_uncertainty"], 2)
     for name in ("strain_residual", "drift", "travel", "seconds"):
         yield f"Coulomb: {name.replace('_', ' ')}", number_text(answer[name], 2), ""
     yield "Coulomb: iterations", str(answer["iterations"]), ""
@@ -286,15 +286,15 @@ def _angle_rows(before: str, answer: dict[str, Any]) -> Iterator[tuple[str, str,
     """Yield the angle at which the ground of a [tilt] fails its structure, and its uncertainty. before: first words of the rows."""
     for name, digits in (("angle", 5), ("angle_uncertainty", 2)):
         if name in answer:
-            angle = without_round_off(answer[name], math.degrees(1.0)) if name == "angle" and exists(answer[name]) else answer[name]
+            angle = without_round_off(answer[name], degrees(1.0)) if name == "angle" and exists(answer[name]) else answer[name]
             yield f"{before}{name.replace('_', ', ')}, degrees", number_text(angle, digits), ""
 
 
 def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
     """Return the row of a reaction or of a multiplier, which is 0 where it is only round-off."""
     value = None if value is None else without_round_off(value, scene.weight if scene.live is None else 1.0)
-    return name, number_text(value), _over_weight_text(scene, value, 6)
+    return _row(scene, name, value, 6)
 
 
-def _over_weight_text(scene: Scene, value: float | None, digits: int) -> str:
-    return "" if scene.live is not None else number_text(over_weight(value, scene.weight), digits)
+def _row(scene: Scene, name: str, value: float | None, digits: int) -> tuple[str, str, str]:
+    return name, number_text(value, digits), "" if scene.live is not None else number_text(over_weight(value, scene.weight), digits)

@@ -3,6 +3,7 @@
 Under a live load the greatest multiplier on the way is of interest, too. The usual viscosity lifts it, because blocks gain speed there.
 """
 
+from bisect import bisect_left
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,10 @@ PEAK_SAFETY = 2.0  # times the difference between the peaks of these paths
 BETWEEN_STEPS = 2e-3
 SOUGHT = 5e-3  # of the value: a curve that rises less above it, beyond its uncertainty, has no peak
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
+# A path that goes on with turning blocks ends early where it would need HOPELESS times its effort at the pace of its last Newton
+# iterations: so many, and so many times those before it went on. Two points of `crosscheck new zones` stick and slip in turn, in steps
+# of a millionth of the way: 51,500 iterations led nowhere.
+PACED, TIMES_PACED, HOPELESS = 1000.0, 10.0, 3.0
 
 
 def follow(
@@ -107,23 +112,37 @@ def go_on_turning(
     """
     path = path.copy()
     path.joints = joints
-    return _to_its_end(path, settings, as_far_as, send)
+    paced = (PACED + TIMES_PACED * path.iterations) * settings.effort / PredictionSettings.effort
+    return _to_its_end(path, settings, as_far_as, send, paced)
 
 
-def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: float, send: Sender) -> FollowedPath | None:
+def _is_hopeless(path: QuasiStaticPath, paced: float, goal: float, most: float) -> bool:
+    """Whether a path would need HOPELESS times its remaining effort to a progress, at the pace of its last `paced` Newton iterations."""
+    if path.iterations < paced:
+        return False
+    since = path.points[bisect_left(path.points, path.iterations - paced, key=lambda point: point.iterations)].progress
+    reached = path.last.progress
+    return (goal - reached) * paced > HOPELESS * (reached - since) * (most - path.iterations)
+
+
+def _to_its_end(
+    path: QuasiStaticPath, settings: PredictionSettings, as_far_as: float, send: Sender, paced: float = np.inf
+) -> FollowedPath | None:
     """Follow a path until its curve is flat, and to a certified end; None where it cannot go on.
 
-    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more. Under
-    a live load their pace on the way shows how far that is.
+    paced: Newton iterations whose pace shows whether there is hope. Where blocks turn, they do so until the path has gone as far as the
+    joints that it stands for and nothing is released any more. Under a live load their pace on the way shows how far that is.
     """
-    joints, first = path.joints, None
+    joints, first, most = path.joints, None, most_iterations(path.joints, settings)
     end = first_end(path, first_travel(joints))
     turned, longest = travels(path, settings)
     passed: list[tuple[Plateau, QuasiStaticPath]] = []
     lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way
     while True:
-        for point in path.advance_to(end, most_iterations(joints, settings)):
+        for point in path.advance_to(end, most):
             send(point.progress, max(end, turned, as_far_as), point.value)
+            if _is_hopeless(path, paced, max(end, turned), most):
+                break
         if path.joints is joints:
             turned, longest = travels(path, settings)
             lasting.latest = longest / 2.0
