@@ -144,6 +144,11 @@ def visible(text: str) -> str:
     return CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
 
 
+def real_path(path: Path | str) -> Path:
+    """The whole path without links. A link to itself stays, for whoever opens it to refuse: `Path.resolve` raises RuntimeError for it."""
+    return Path(os.path.realpath(path))
+
+
 def printable_name(name: str) -> str:
     """The name of a file; raises SceneError where it cannot be printed: bytes that are no text in this locale are surrogates in it.
 

@@ -15,7 +15,7 @@ import tomli_w
 from comparison.campaign.definition import Definition, Sweep
 from comparison.campaign.parameter_labels import CLASSIC
 from la_core.analysis import structural_model
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, nearest, real_path
 from la_core.limit import ClassicParameters
 from la_core.scene import Scene, key_paths, load_scene, override, scene_of_text, shipped
 
@@ -102,7 +102,7 @@ def expand(definition: Definition) -> list[Case]:
             try:
                 data, whole = _overridden(path, original, given)
                 parameters = _classic(given)
-                identity = (path.resolve(), json.dumps(whole))
+                identity = (real_path(path), json.dumps(whole))
                 if identity not in runs:
                     text = _titled(data, path.stem, scene_parts) if data != tomllib.loads(original) else original
                     runs[identity] = _run(folders.unique("_".join([stem, *scene_parts])), path, text)
@@ -137,8 +137,8 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
 
 def _scene_name(path: Path, others: list[Path]) -> str:
     """Return the name of a scene's file, after its folder where scenes of another folder have the same: two people draw one structure."""
-    place = path.resolve()
-    is_alone = all(other.resolve() == place for other in others if other.stem.casefold() == path.stem.casefold())
+    place = real_path(path)
+    is_alone = all(real_path(other) == place for other in others if other.stem.casefold() == path.stem.casefold())
     return path.stem if is_alone else f"{place.parent.name}_{path.stem}"
 
 

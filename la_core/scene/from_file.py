@@ -3,7 +3,6 @@
 import importlib.util
 import json
 import math
-import os
 import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -13,7 +12,7 @@ import numpy as np
 import shapely
 
 from la_core.drawing import DRAWING_FORMATS, OF_PDF, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words, why_none
-from la_core.errors import SceneError, extra_hint, printable_name
+from la_core.errors import SceneError, extra_hint, printable_name, real_path
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
@@ -67,7 +66,7 @@ CURVE = 0.005  # m
 def scene_from_file(source: Path, folder: Path) -> str:
     """Text of a scene in `folder` for a drawing (DXF, SVG) or for bodies (OBJ, PLY, STL, COMPAS); raises SceneError."""
     try:
-        relative = Path(os.path.realpath(source)).relative_to(folder.resolve())
+        relative = real_path(source).relative_to(folder.resolve())
     except ValueError as error:
         raise SceneError(
             str(source), f"does not lie in {folder} or below it", hint="a scene stands beside its files or above them"

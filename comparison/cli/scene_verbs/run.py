@@ -1,11 +1,9 @@
 """`crosscheck run`: solve scenes by both methods, compare the answers and write the report."""
 
 import argparse
-import os
 from collections import deque
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from comparison.cli.context import Context
@@ -15,7 +13,7 @@ from comparison.run_folder import refuse_names
 from comparison.settings import HARDER_SECONDS
 from comparison.workflow import WorkerProcesses, refuse_names_of_attempts, run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
-from la_core.errors import SceneError
+from la_core.errors import SceneError, real_path
 from la_core.scene import Scene, full_model, load_scene, same_structure, shipped
 
 
@@ -92,7 +90,7 @@ def _may_try_harder(options: argparse.Namespace) -> bool:
 
 def _models(options: argparse.Namespace) -> list[StructuralModel]:
     """Return one model for each distinct scene, with the accuracy and the effects that the options request; raises SceneError."""
-    scenes = [load_scene(Path(path)) for path in dict.fromkeys(os.path.realpath(shipped.find(name)) for name in options.scenes)]
+    scenes = [load_scene(path) for path in dict.fromkeys(real_path(shipped.find(name)) for name in options.scenes)]
     if options.accuracy is not None:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:

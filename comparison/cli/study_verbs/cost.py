@@ -1,7 +1,6 @@
 """`crosscheck cost`: measure error against time for each scene; write `SCENE-cost.png` and `SCENE-cost.json`."""
 
 import json
-import os
 from pathlib import Path
 
 from comparison.cli.context import Context
@@ -11,6 +10,7 @@ from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import make_writable, refuse_names, write_text
 from comparison.studies import CostStudy, cost, cost_dict, cost_figure, study_cost
+from la_core.errors import real_path
 from la_core.scene import load_scene, shipped
 
 CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a narrow table leaves out, the first to go first
@@ -19,7 +19,7 @@ CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a
 def execute(context: Context) -> int:
     """Run the cost study of every scene and print a table for each reference; raises SceneError."""
     options = context.options
-    scenes = [load_scene(Path(path)) for path in dict.fromkeys(os.path.realpath(shipped.find(name)) for name in options.scenes)]
+    scenes = [load_scene(path) for path in dict.fromkeys(real_path(shipped.find(name)) for name in options.scenes)]
     refuse_names(scenes)
     make_writable(options.output)  # a folder that takes no results is told before the measurement
     ladders: list[CostStudy] = []

@@ -1,7 +1,6 @@
 """Blocks of a `[[drawing]]` table, and what was left out of the drawing."""
 
 import importlib.util
-import os
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
@@ -26,7 +25,7 @@ from la_core.drawing import (
     remarks,
     why_none,
 )
-from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest
+from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest, real_path
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
@@ -113,7 +112,7 @@ def read_drawing(table: Drawing, folder: Path) -> MeshFile:
     root = folder.resolve()
     path = root / table.file
     try:
-        if not Path(os.path.realpath(path)).is_relative_to(root):
+        if not real_path(path).is_relative_to(root):
             raise SceneError(_at(table), "is a link that leads out of the scene's folder", hint="put a copy of the drawing there")
         if path.exists() and not path.is_file():
             raise SceneError(_at(table), "is not a file")

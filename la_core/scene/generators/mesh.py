@@ -1,7 +1,6 @@
 """Imported bodies: a `[[mesh]]` table becomes the same blocks a user could have typed."""
 
 import importlib.util
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -10,7 +9,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import scipy
 
-from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest, shortened
+from la_core.errors import OF_LOCALE, SceneError, extra_hint, nearest, real_path, shortened
 from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.generators.mesh_surface import MOST_DENT, Surface, shape_of
 from la_core.scene.generators.wall import NamedShape
@@ -48,7 +47,7 @@ def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
     root = folder.resolve()
     path = root / mesh.file
     try:
-        if not Path(os.path.realpath(path)).is_relative_to(root):
+        if not real_path(path).is_relative_to(root):
             raise SceneError(_where(mesh), "is a link that leads out of the scene's folder", hint="put a copy of the mesh there")
         if not path.is_dir():
             if path.suffix.lower() not in FORMATS or (path.exists() and not path.is_file()):
