@@ -23,6 +23,7 @@ GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
 UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be level
 MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
 ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
+SHARE = 5.0  # of the settlement: a larger share is probably a percentage
 ROUND_OFF = 1e-9  # of a length
 TURNED = 0.05  # of a block's size: a motion that changes lever arms of half a block by a tenth
 LOOSE = 0.25  # of an expected value: with a larger tolerance, wrong answers meet it, too
@@ -66,6 +67,7 @@ def implausible(
         *_of_unclosed(repairs),
         *_of_edges(blocks, missed),
         *_of_gravity(gravity),
+        *_of_shares(file),
         *_of_travel(blocks, file, twists),
         *_of_path(blocks, file, twists),
         *_of_weight(blocks, gravity),
@@ -105,6 +107,16 @@ def _of_floors(file: SceneFile, blocks: Blocks) -> Iterator[str]:
                         f'building "{building.name}": voussoirs in course {floor.course} of the wall "{side}" carry nothing of the floor '
                         "on this course. Put it on a course above the arch, or load the voussoirs by a [[load]]."
                     )
+
+
+def _of_shares(file: SceneFile) -> Iterator[str]:
+    if (motion := file.settlement) is None:
+        return
+    shares = [(f"settlement.zone[{number}].ratio", zone.ratio) for number, zone in enumerate(motion.zone)]
+    shares += [(f"settlement.profile[{number}]", share) for number, (_, share) in enumerate(motion.profile or ())]
+    for where, share in shares:
+        if abs(share) >= SHARE:
+            yield f"{where}: {share:g} times the settlement is large; a share is no percentage: write {share / 100.0:g} for {share:g} %."
 
 
 def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:

@@ -15,6 +15,7 @@ from la_core.scene.line_numbers import KeyPath, key_lines, line_of
 MOST_MESSAGES = 20  # of one file; more are counted
 Fault = tuple[KeyPath, str]  # place in the file, and what is wrong there
 
+RANGE = re.compile(r"([-+]?[\d.]+)\s*(?::|\.\.|-|–|\.{3}|to)\s*([-+]?[\d.]*\d)")  # two numbers as a word
 _RULES = {  # instead of pydantic's messages, which speak of Python
     "bool_type": "must be true or false",
     "dict_type": "must be a table",
@@ -131,7 +132,9 @@ def _brackets(error: Any) -> str:
 
 
 def _as_array(value: Any) -> str:
-    """The array of one entry that a single value was probably meant to be, as a hint."""
+    """The array that a single value, or a range in words, was probably meant to be, as a hint."""
+    if isinstance(value, str) and (ends := RANGE.fullmatch(value.strip())):
+        return f"list all values: [{ends[1]}, ..., {ends[2]}], with numbers in place of the dots"
     is_single = isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
     return f"write [{json.dumps(value)}]" if is_single else ""
 

@@ -50,6 +50,14 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
         ),
         'tie "tie" ends at a support: the reaction is the force of its joints alone',
     ),
+    "a share in percent": (
+        ("[settlement]", '[settlement]\nzone = [{ blocks = ["settling pad"], ratio = 40.0 }]'),
+        "settlement.zone[0].ratio: 40 times the settlement is large; a share is no percentage: write 0.4 for 40 %",
+    ),
+    "a profile in percent": (
+        ("direction = [0.0, 0.0, -1.0]", "direction = [0.0, 0.0, -1.0]\nprofile = [[0.4, 0.0], [1.0, 80.0]]"),
+        "settlement.profile[1]: 80 times the settlement",
+    ),
     "a profile that bends over a support": (
         ("direction = [0.0, 0.0, -1.0]", "direction = [0.0, 0.0, -1.0]\nprofile = [[0.5, 1.0], [0.7, 0.9], [1.0, 1.0]]"),
         "settlement.profile bends at x = 0.7 m, within the support",

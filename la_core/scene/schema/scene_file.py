@@ -145,7 +145,7 @@ class Settlement(Table):
         if self.profile is None:
             return self
         if self.zone:
-            raise ValueError("needs either `zone` or `profile`")
+            raise ValueError("needs either `zone` or `profile`, not both")
         if self.direction is None or abs(self.direction["xy".index(self.along)]) > LEVEL * max(map(abs, self.direction)):
             raise ValueError("a `profile` needs a `direction` at right angles to the axis that `along` names")
         if any(after[0] <= before[0] for before, after in pairwise(self.profile)):
