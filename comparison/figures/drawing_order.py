@@ -59,39 +59,37 @@ def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
 def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return pairs of blocks, the one behind and the one before it, of which at least one was set aside.
 
-    A model has no interfaces of blocks that it sets aside. A face tells the order where it parts two blocks that touch in its plane.
+    A model has no interfaces of blocks that it sets aside. A face tells the order where it parts two convex parts that touch in its plane.
     """
+    parts, block = blocks.parts, blocks.part_block
     near, towards = NEAR * float((blocks.high - blocks.low).max()), blocks.face_normal @ toward
-    behind, before = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
+    pairs = [np.zeros((0, 2), dtype=int)]
+    aside = np.flatnonzero(np.isin(block, aside))
     for some in np.array_split(aside, len(aside) // AT_A_TIME + 1):
-        low, high = blocks.low[some, None], blocks.high[some, None]
-        laps = np.minimum(high, blocks.high) - np.maximum(low, blocks.low)  # (some, B, 3): extents that two boxes share
-        one, other = np.nonzero((laps >= -near).all(axis=2) & ((laps > near).sum(axis=2) >= 2) & (some[:, None] != np.arange(len(blocks))))
+        low, high = parts.low[some, None], parts.high[some, None]
+        laps = np.minimum(high, parts.high) - np.maximum(low, parts.low)  # (some, P, 3): extents that two boxes share
+        one, other = np.nonzero((laps >= -near).all(axis=2) & ((laps > near).sum(axis=2) >= 2) & (block[some][:, None] != block))
         one = some[one]
-        (face, pair, gap), (back, back_pair, back_gap) = _parting(blocks, one, other, near), _parting(blocks, other, one, near)
+        (face, pair, gap), (back, back_pair, back_gap) = _parting(parts, one, other, near), _parting(parts, other, one, near)
         pair, gap, along = np.append(pair, back_pair), np.append(gap, back_gap), np.append(towards[face], -towards[back])
         apart, is_before, is_behind = (
             np.bincount(pair[found], minlength=len(one)) > 0 for found in (gap > near, along > LEVEL, along < -LEVEL)
         )
-        known = ~apart & (is_before != is_behind)  # else they do not touch, or neither hides a part of the other
-        behind.append(np.where(is_before, one, other)[known])
-        before.append(np.where(is_before, other, one)[known])
-    pairs = np.unique(np.stack([np.concatenate(behind), np.concatenate(before)], axis=1), axis=0)  # each pair once
-    return pairs[:, 0], pairs[:, 1]
+        known = ~apart & (is_before != is_behind)  # else they do not touch, or neither hides a piece of the other
+        pairs.append(block[np.where(is_before, [one, other], [other, one])[:, known].T])
+    behind, before = np.unique(np.concatenate(pairs), axis=0).T  # each pair once
+    in_turn = np.isin(behind * len(blocks) + before, before * len(blocks) + behind)  # each is before a part of the other
+    return behind[~in_turn], before[~in_turn]
 
 
-def _parting(blocks: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the faces of `one` (K,) whose planes part it from `other` (K,), the pair of blocks of each, and the gap before each, m."""
-    face, pair = _rows(np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1)), one)
-    lowest, highest = (
-        extremum.reduceat(np.sum(blocks.vertices[corner] * blocks.face_normal[face[of]], axis=1), np.searchsorted(of, np.arange(len(face))))
-        for extremum, (corner, of) in (
-            (np.minimum, _rows(blocks.vertex_start, other[pair])),
-            (np.maximum, _rows(blocks.vertex_start, one[pair])),  # a face in a notch has stone of its own block before it
-        )
-    )
-    parts = (lowest >= highest - near) & (highest <= blocks.face_offset[face] + near)
-    return face[parts], pair[parts], (lowest - highest)[parts]
+def _parting(parts: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the faces of `one` (K,) whose planes part it from `other` (K,), the pair of parts of each, and the gap before each, m."""
+    face, pair = _rows(parts.part_face_start, one)
+    corner, of = _rows(parts.vertex_start, other[pair])
+    along = np.sum(parts.vertices[corner] * parts.face_normal[face[of]], axis=1)
+    gap = np.minimum.reduceat(along, np.searchsorted(of, np.arange(len(face)))) - parts.face_offset[face]
+    is_parting = gap >= -near
+    return face[is_parting], pair[is_parting], gap[is_parting]
 
 
 def _rows(start: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from comparison.figures import canvas as drawing
 from comparison.figures import structure
 from comparison.figures.drawing_order import are_behind, back_to_front
 from la_core.analysis.stage import analyse
-from la_core.geometry import Blocks, box
+from la_core.geometry import Blocks, box, prism
 from la_core.model.assembly import assemble
 from la_core.scene.shipped import starter_text
 
@@ -113,6 +113,18 @@ def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them(name: st
     rank, along = np.argsort(order), whole.interfaces.normal @ toward
     a, b, seen = whole.interfaces.block_a, whole.interfaces.block_b, np.abs(along) > 1e-6
     assert np.all((rank[np.where(along > 0.0, a, b)] < rank[np.where(along > 0.0, b, a)])[seen])
+
+
+def test_a_block_in_the_notch_of_one_that_was_set_aside_is_drawn_before_it() -> None:
+    """The upright of the L is so high that its centroid is the nearer one; no face of a whole block parts the two."""
+    angle = prism([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 9.0), (0.0, 9.0)], (0.0, 1.0))
+    inner, toward = box((1.0, 0.0, 1.0), (2.0, 1.0, 2.0)), np.array([0.3, -0.8, 0.5])
+    for shapes, order in (((angle, inner), [0, 1]), ((inner, angle), [1, 0])):
+        blocks = Blocks.gather(["one", "other"], ["fixed", "fixed"], [np.nan, np.nan], shapes)
+        assembly = assemble(shipped("two_pads"))
+        none = assembly.interfaces.subset(np.zeros(len(assembly.interfaces), dtype=bool))
+        for aside in ([True, False], [False, True], [True, True]):
+            assert back_to_front(replace(assembly, blocks=blocks, interfaces=none, aside=np.array(aside)), toward).tolist() == order
 
 
 def test_a_support_that_walls_hide_is_drawn_by_dashed_edges() -> None:
