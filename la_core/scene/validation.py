@@ -116,14 +116,17 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     if isinstance(value, str):
         rule = rule.replace("entries", "characters")
     hint = (_wanted(table, error["loc"]) or _as_array(value)) if error["type"] == "tuple_type" else _slip(error)
-    hint = "; ".join(part for part in (hint, _brackets(error)) if part)
+    hint = "; ".join(part for part in (hint, _brackets(error, table)) if part)
     return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=hint)
 
 
-def _brackets(error: Any) -> str:
+def _brackets(error: Any, table: type[pydantic.BaseModel]) -> str:
     """How to write a table that stands in the brackets of another kind, as a hint; "" for any other value."""
-    value = error["input"]
-    name = ".".join(step for step in error["loc"] if isinstance(step, str) and not _is_of_a_type(step))
+    value, (*parents, key) = error["input"], error["loc"]
+    field = _keys(_table_at(table, parents)).get(str(key))
+    if field is None or table_of(field.annotation) is None:  # such as a vector or a list of names
+        return ""
+    name = ".".join(step for step in error["loc"] if isinstance(step, str))
     if error["type"] == "tuple_type" and isinstance(value, dict):
         return f"write it below [[{name}]] in double brackets, or as [{{ ... }}]"
     if error["type"] == "model_type" and isinstance(value, list) and value and isinstance(value[0], dict):

@@ -185,6 +185,23 @@ def test_a_common_slip_is_recognised(old: str, new: str, expected: str, tmp_path
     assert expected in message(path)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("[0.0, 0.0, -1.0]", "{ x = 0.0, y = 0.0, z = -1.0 }", "settlement.direction"),
+        ("[0.0, 0.0, -1.0]", "[0.0, 0.0, -1.0]\nprofile = [{ at = 0.4, share = 0.0 }, [1.0, 1.0]]", "settlement.profile[0]"),
+        ("[0.0, 0.0, -1.0]", '[0.0, 0.0, -1.0]\nzone = [{ blocks = { a = "settling pad" } }]', "settlement.zone[0].blocks"),
+    ],
+)
+def test_a_table_in_place_of_numbers_or_names_is_not_told_to_have_double_brackets(
+    old: str, new: str, key: str, tmp_path: Path, two_pads: str
+) -> None:
+    path = tmp_path / "slip.toml"
+    path.write_text(two_pads.replace(old, new, 1), encoding="utf-8")
+    told = message(path)
+    assert f"{key} = " in told and "must be an array" in told and "brackets" not in told
+
+
 def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_pads: str) -> None:
     path = tmp_path / "latin.toml"
     path.write_bytes(f'# A comment\ntitle = "façade"\n{two_pads}'.encode("latin-1"))
