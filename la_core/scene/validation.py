@@ -15,7 +15,7 @@ from la_core.scene.line_numbers import KeyPath, key_lines, line_of
 MOST_MESSAGES = 20  # of one file; more are counted
 Fault = tuple[KeyPath, str]  # place in the file, and what is wrong there
 
-RANGE = re.compile(r"([-+]?[\d.]+)\s*(?::|\.\.|-|–|\.{3}|to)\s*([-+]?[\d.]*\d)")  # two numbers as a word
+RANGE = re.compile(r"([-+]?\d*\.?\d+)\s*(?::|\.{2,3}|-|–|to)\s*([-+]?\d*\.?\d+)")  # two numbers as a word
 _RULES = {  # instead of pydantic's messages, which speak of Python
     "bool_type": "must be true or false",
     "dict_type": "must be a table",

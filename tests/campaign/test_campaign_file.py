@@ -34,6 +34,7 @@ WRONG = {
     "decimal comma": (sweep('vary = { "joint.friction" = [0,3, 0,6] }'), '"joint.friction" takes the value 0 twice; give it once'),
     "one value": (sweep('vary = { "joint.friction" = 0.3 }'), "sweep[0].vary.joint.friction = 0.3: must be an array; write [0.3]"),
     "a range in words": (sweep('vary = { "joint.friction" = "0.1:0.5" }'), "must be an array; list all values: [0.1, ..., 0.5]"),
+    "a range with dots": (sweep('vary = { "joint.friction" = "0.1...0.5" }'), "must be an array; list all values: [0.1, ..., 0.5]"),
     "one value, without quotes": (sweep("vary = { joint.friction = 0.3 }"), "vary.joint.friction = 0.3: must be an array; write [0.3]"),
     "one value that is not a number": (sweep('vary = { "joint.friction" = nan }'), "vary.joint.friction = nan: must be an array"),
     "both with quotes and without": (
