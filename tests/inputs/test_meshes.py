@@ -77,7 +77,7 @@ def test_names_are_read_in_the_encodings_in_which_programs_write_them(encoding: 
         loops = ("\n".join(f"vertex {x!r} {y!r} {z!r}" for x, y, z in points[list(triangle)].tolist()) for triangle in TRIANGLES)
         facets = (f"facet normal 0 0 0\nouter loop\n{loop}\nendloop\nendfacet" for loop in loops)
         solids += "\n".join([f"solid {name}", *facets, f"endsolid {name}", ""])
-    for suffix, text in ((".obj", objects), (".stl", solids)):
+    for suffix, text in ((".obj", objects), (".stl", solids), (".stl", solids.replace("solid", "SOLID"))):
         if suffix == ".obj" or encoding != "utf-16":
             found = surfaces(suffix, text.encode(encoding), "file")
             assert [body.name for body in found] == list(bodies)

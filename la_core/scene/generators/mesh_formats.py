@@ -22,7 +22,7 @@ _PLY_NUMBERS = {  # of the format's types, the codes of `struct`
     "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
     "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d",
 }  # fmt: skip
-STL_IN_TEXT = re.compile(rb"(\xef\xbb\xbf)?\s*solid[^\0]*\Z")  # the head of a binary file may begin with the same word
+STL_IN_TEXT = re.compile(rb"(\xef\xbb\xbf)?\s*solid[^\0]*\Z", re.IGNORECASE)  # the head of a binary file may begin with the same word
 DEFAULT_GROUP = "default"  # name of the group before any `g`; some programs write it although it is empty
 
 
