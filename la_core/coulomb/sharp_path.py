@@ -41,9 +41,9 @@ PEAK_SAFETY = 2.0  # times the difference between the peaks of these paths
 BETWEEN_STEPS = 2e-3
 SOUGHT = 5e-3  # of the value: a curve that rises less above it, beyond its uncertainty, has no peak
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
-# A path that goes on with turning blocks ends early where it would need HOPELESS times its effort at the pace of its last Newton
-# iterations: so many, and so many times those before it went on. Two points of `crosscheck new zones` stick and slip in turn, in steps
-# of a millionth of the way: 51,500 iterations led nowhere.
+# A path that goes on with turning blocks ends early where its latest pace would take HOPELESS times the effort that is left. This pace is
+# that of its last Newton iterations: PACED, and TIMES_PACED times those before it went on. Two points of `crosscheck new zones` stick and
+# slip in turn, in steps of a millionth of the way: 51,500 iterations led nowhere.
 PACED, TIMES_PACED, HOPELESS = 1000.0, 10.0, 3.0
 
 
@@ -117,7 +117,10 @@ def go_on_turning(
 
 
 def _is_hopeless(path: QuasiStaticPath, paced: float, goal: float, most: float) -> bool:
-    """Whether a path would need HOPELESS times its remaining effort to a progress, at the pace of its last `paced` Newton iterations."""
+    """Whether a path would need more than HOPELESS times the effort that is left to come to its goal, at its latest pace.
+
+    paced: Newton iterations whose pace counts. goal: progress. most: Newton iterations of the whole path.
+    """
     if path.iterations < paced:
         return False
     since = path.points[bisect_left(path.points, path.iterations - paced, key=lambda point: point.iterations)].progress

@@ -73,17 +73,19 @@ def test_points_that_stick_and_slip_in_turn_do_not_hold_up_a_prediction() -> Non
 
 
 @pytest.mark.parametrize(
-    ("progress", "hopeless"),
+    ("progress", "paced", "hopeless"),
     [
-        ([1.0, 1.1, 1.2], True),  # 0.1 per 1,000 iterations: the 8.8 to the goal need 88,000, and 28,000 are left
-        ([1.0, 1.2, 1.5], False),  # 85,000 at the first pace, 25,000 at the last one
-        ([1.0, 9.0], False),  # too early to tell
+        ([1.0, 1.1, 1.2], 1000.0, True),  # 0.1 per 1,000 iterations: the 8.8 to the goal need 88,000, and 28,000 are left
+        ([1.0, 1.0, 1.15], 1000.0, False),  # 59,000 at the pace of the last 1,000; 118,000 at that of all 2,000
+        ([1.0, 1.01], 1001.0, False),  # too early to tell
     ],
 )
-def test_a_path_is_hopeless_where_its_last_pace_needs_three_times_the_effort_that_is_left(progress: list[float], hopeless: bool) -> None:
+def test_a_path_is_hopeless_where_its_last_pace_needs_three_times_the_effort_that_is_left(
+    progress: list[float], paced: float, hopeless: bool
+) -> None:
     points = [SimpleNamespace(progress=reached, iterations=1000 * k) for k, reached in enumerate(progress)]
     path: Any = SimpleNamespace(points=points, last=points[-1], iterations=points[-1].iterations)
-    assert sharp_path._is_hopeless(path, 1001.0 if progress[-1] == 9.0 else 1000.0, 10.0, 30_000.0) is hopeless
+    assert sharp_path._is_hopeless(path, paced, 10.0, 30_000.0) is hopeless
 
 
 def test_the_prediction_itself_does_not_change() -> None:
