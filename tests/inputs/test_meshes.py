@@ -84,6 +84,14 @@ def test_names_are_read_in_the_encodings_in_which_programs_write_them(encoding: 
             assert [len(body.faces) for body in found] == [len(BOX_FACES if suffix == ".obj" else TRIANGLES)] * 2
 
 
+def test_a_line_in_another_encoding_leaves_the_names_of_all_others_as_they_are() -> None:
+    """A comment, or a name, of an older program in a file that another one has written on in UTF-8."""
+    text = obj({"Stütze links": wall()["pad"][0], "Stütze é": wall()["ground"][0]}).encode()
+    for mark in (b"", b"\xef\xbb\xbf"):
+        mixed = mark + b"# Gr\xfc\xdfe\n" + text.replace("Stütze é".encode(), "Stütze é".encode("cp1252"))
+        assert [body.name for body in surfaces(".obj", mixed, "file")] == ["Stütze links", "Stütze é"]
+
+
 def test_a_mesh_is_scaled_then_turned_then_shifted(tmp_path: Path) -> None:
     bodies = {name: 1000.0 * vertices for name, (vertices, _) in wall().items()}
     turn = {"axis": [0.0, 0.0, 2.0], "degrees": 90.0}

@@ -39,11 +39,18 @@ def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
 
 
 def _text(content: bytes) -> str:
-    """The content of a text file: UTF-8, UTF-16 with its mark, or else the code page in which older programs for Windows write names."""
+    """The content of a text file: UTF-16 with its mark, else UTF-8; other lines are in the code page of older programs for Windows."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:
         return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return "\n".join(map(_line, content.removeprefix(codecs.BOM_UTF8).split(b"\n")))
+
+
+def _line(content: bytes) -> str:
+    try:
+        return content.decode()
     except UnicodeDecodeError:
         return content.decode("cp1252", errors="replace")
 
