@@ -2,7 +2,6 @@
 
 import copy
 import multiprocessing
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -33,7 +32,7 @@ from comparison.progress import CampaignNarration
 from comparison.run_folder import folder_of_results
 from comparison.settings import MOST_WORKERS
 from comparison.verdict import mark_of
-from la_core.errors import SceneError, path_of, seconds_or_none, true_or_false, whole_number
+from la_core.errors import SceneError, path_of, real_path, seconds_or_none, true_or_false, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -187,7 +186,7 @@ def run_campaign(
     defined = definition.load_campaign(path)
     place = folder_of_results(default_folder(path) if folder is None else folder)
     runs_yade = defined.file.yade and asked
-    whole = Campaign(defined, expand(defined), Path(os.path.realpath(place)), runs_yade, time_limit=limit)
+    whole = Campaign(defined, expand(defined), real_path(place), runs_yade, time_limit=limit)
     with CampaignNarration(StderrConsole(silent), defined.title) as narration:
         return _result_of(run_cases(whole, Local(count, runs_yade), narration, write_campaign_report))
 

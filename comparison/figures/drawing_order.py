@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, next_corners
+from la_core.geometry import Blocks, group_members, next_corners
 from la_core.model import Assembly
 
 NEAR = 1e-4  # of the largest extent of a block: boxes and faces that are nearer than this touch
@@ -84,19 +84,13 @@ def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np
 
 def _parting(parts: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the faces of `one` (K,) whose planes part it from `other` (K,), the pair of parts of each, and the gap before each, m."""
-    face, pair = _rows(parts.part_face_start, one)
-    corner, of = _rows(parts.vertex_start, other[pair])
-    along = np.sum(parts.vertices[corner] * parts.face_normal[face[of]], axis=1)
-    gap = np.minimum.reduceat(along, np.searchsorted(of, np.arange(len(face)))) - parts.face_offset[face]
+    pair, nth = group_members(np.diff(parts.part_face_start)[one])
+    face, beside = parts.part_face_start[one[pair]] + nth, other[pair]
+    row, nth = group_members(np.diff(parts.vertex_start)[beside])
+    along = np.sum(parts.vertices[parts.vertex_start[beside[row]] + nth] * parts.face_normal[face[row]], axis=1)
+    gap = np.minimum.reduceat(along, np.flatnonzero(nth == 0)) - parts.face_offset[face]
     is_parting = gap >= -near
     return face[is_parting], pair[is_parting], gap[is_parting]
-
-
-def _rows(start: np.ndarray, some: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows of some groups (K,) of a flat array, group after group, and the place in `some` of each row's group."""
-    count = np.diff(start)[some]
-    place = np.repeat(np.arange(len(some)), count)
-    return np.arange(count.sum()) + (start[some] - np.cumsum(count) + count)[place], place
 
 
 def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
@@ -113,11 +107,10 @@ def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float
     hidden = np.zeros(len(points), dtype=bool)
     for some in np.array_split(np.arange(len(points)), len(points) // AT_A_TIME + 1):
         point, part = tree.query(shapely.points(places[some]))
-        count = np.diff(start)[part]
-        first = np.cumsum(count) - count  # of the faces of each part, side by side for all points
-        face, _ = _rows(start, part)
+        row, nth = group_members(np.diff(start)[part])  # faces of each part, side by side for all points
+        face, first = start[part[row]] + nth, np.flatnonzero(nth == 0)
         along = towards[face]
-        inside = parts.face_offset[face] - np.sum(points[some[point]].repeat(count, axis=0) * parts.face_normal[face], axis=1)
+        inside = parts.face_offset[face] - np.sum(points[some[point[row]]] * parts.face_normal[face], axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             cut = inside / along  # distance towards the viewer to each face's plane
         leave = np.minimum.reduceat(np.where(along > LEVEL, cut, np.inf), first)

@@ -8,7 +8,7 @@ from la_core.geometry.faces import face_corners, face_pairs, face_polygons, near
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, joint_areas, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, without_slivers
-from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of, ring_corners
+from la_core.geometry.polygons import group_members, next_corners, overlap_of, owners, plane_axes, polygons_of, ring_corners
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, divided_loft, loft, polyhedron, prism
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "face_polygons",
     "find_interfaces",
     "gaps",
+    "group_members",
     "joint_areas",
     "loft",
     "missed_joints",

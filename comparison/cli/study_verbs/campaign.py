@@ -6,7 +6,6 @@ import os
 import signal
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 from comparison.campaign import (
     Campaign,
@@ -31,7 +30,7 @@ from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import UNCONFIRMED, mark_of
-from la_core.errors import SceneError, extra_hint
+from la_core.errors import SceneError, extra_hint, real_path
 from la_core.side_by_side import cores
 
 MOST_WARNINGS = 10  # on a terminal
@@ -45,7 +44,7 @@ def execute(context: Context) -> int:
         raise SceneError("--parquet", "needs pyarrow, which is not installed", hint=extra_hint("parquet", "pyarrow"))
     path = find_campaign(options.campaign)
     campaign_definition = definition.load_campaign(path)
-    folder = Path(os.path.realpath(options.output or default_folder(path)))  # unlike `resolve`, it takes a link to itself
+    folder = real_path(options.output or default_folder(path))
     yade = campaign_definition.file.yade and not options.no_yade
     cases = expand(campaign_definition)
     _warn(cases, context)
