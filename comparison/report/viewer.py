@@ -1,6 +1,6 @@
 """The interactive 3D view of a scene in the report: its data as JSON, and the page's scripts with their digests.
 
-Data are little-endian arrays in base64, read by `web/viewer.js`. Lengths are in m, from the middle of the structure. Forces are the
+Data are little-endian arrays in base64, read by the scripts in `web`. Lengths are in m, from the middle of the structure. Forces are the
 resultants of the joints, N, each at its centre of pressure. Loads are arrows and rods in their place at rest, each end with its block.
 """
 
@@ -27,7 +27,7 @@ WEB = Path(__file__).parent / "web"
 LARGEST = 600_000  # bytes of the states of one method; fewer states are kept where each is large
 MOST_STATES = 24
 MOST_ARROWS = 400  # of dead loads
-SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
+SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "frame.js", "picking.js", "viewer.js")}
 
 
 def viewer_text(results: Results) -> str:

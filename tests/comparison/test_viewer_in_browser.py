@@ -128,6 +128,24 @@ def test_the_settlement_can_be_played(view: Browser) -> None:
     assert view.value(f"document.querySelector('{button}').textContent") == "play"
 
 
+def test_a_click_picks_a_block_or_a_joint_and_a_click_beside_them_nothing(view: Browser) -> None:
+    picked = f"document.querySelector('{VIEW} .picked').textContent"
+    nothing, first = view.value(picked), view.picture(CANVAS)
+    for k, method in enumerate(("limit analysis (Coulomb)", "YADE")):
+        middle = place(view, 0.25 + 0.5 * k, 0.4)
+        view.drag(middle, middle)
+        assert view.value(picked).startswith(f'{method}: block "block", weight ')
+        assert not np.array_equal(view.picture(CANVAS), first)  # its outline
+        left, top, _, _ = view.box(CANVAS)
+        pixel = view.value(f"opened[0].frame.pixel(new THREE.Vector3().fromArray(opened[0].methods[{k}].middle.array), {k})")
+        mark = left + pixel[0], top + pixel[1]
+        view.drag(mark, mark)
+        assert view.value(picked).startswith(f'{method}: joint of "') and " normal force " in view.value(picked)
+    corner = place(view, 0.02, 0.02)
+    view.drag(corner, corner)
+    assert view.value(picked) == nothing and np.array_equal(view.picture(CANVAS), first)
+
+
 def test_keys_do_what_the_mouse_does(view: Browser) -> None:
     view.value(f"document.querySelector('{CANVAS}').focus()")
     first = view.picture(CANVAS)

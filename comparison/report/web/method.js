@@ -1,5 +1,5 @@
 "use strict";
-// One method in the interactive view; `viewer.js` follows in the same script.
+// One method in the interactive view; `frame.js`, `picking.js` and `viewer.js` follow in the same script.
 
 const INK = "#222222", FAINT = "#9a9a9a", FORCE = "#a3181f", THRUST = "#0b6e4f", PICKED = "#b8860b"; // as in the figures
 const LONGEST = 0.25; // of the structure's size: the largest contact force

@@ -1,10 +1,6 @@
 // The report's interactive views: one for each <details class="viewer">, built when it opens and released when it closes.
 
 const MOST_OPEN = 6; // a browser keeps about sixteen WebGL contexts, and memory is finite
-const MARGIN = 0.12; // of the size: room for what moves
-const STEP = Math.PI / 24; // of a key
-const TURN = 1200; // pixels of height at which a drag turns as three.js has it; flat pictures would turn too fast
-const NEAR = 12; // pixels: a click this close to a joint's mark picks the joint
 const MOST_LABELS = 12; // of loads in one view
 const STILL = 5; // pixels: a pointer that moved less did not drag
 const opened = [];
@@ -26,8 +22,9 @@ class View {
     for (const name of ["owner", "triangles", "edges", "sides", "thrust"]) geometry[name] = decode(data[name], Uint32Array);
     this.geometry = geometry;
     this.methods = data.methods.map((method, place) => new Method(three, data, geometry, method, place));
+    this.frame = new Frame(three, data, geometry.vertices, this.canvas);
+    this.picking = new Picking(three, data, geometry, this.methods);
     this.fill();
-    this.look(geometry.vertices);
     this.listen();
   }
 
@@ -43,8 +40,6 @@ class View {
     this.play = make("button", { type: "button", textContent: "play" });
     this.reset = make("button", { type: "button", textContent: "reset the view" });
     this.fit = make("button", { type: "button", textContent: "fit to frame" });
-    this.picked = make("p", { className: "picked", textContent: "Click a block or a joint for its name and values." });
-    this.picked.setAttribute("aria-live", "polite");
     this.scale = make("i", { className: "scale" });
     this.scale.style.background = FORCE;
     this.force = make("span", {});
@@ -66,7 +61,7 @@ class View {
     const marks = known.map((state) => make("span", {}, mark(state), `joint ${MARKS[state][0]}`));
     const thrust = this.geometry.thrust.length ? [swatch(THRUST, "line of thrust", THRUST)] : [];
     this.stage.replaceChildren(
-      this.canvas, row("titles", ...this.titles), this.picked,
+      this.canvas, row("titles", ...this.titles), this.picking.words,
       row("controls", make("label", { className: "travel" }, data.quantity, this.slider), this.play, this.words),
       row("controls", ...boxes, box("through", "see through the blocks", data.see_through), this.reset, this.fit),
       row("legend", ...palette.map((entry) => swatch(entry.colour, entry.name)), swatch("transparent", "before", FAINT), ...marks,
@@ -75,30 +70,13 @@ class View {
     );
   }
 
-  // The camera: a parallel view from the direction of the figures; its frustum shows one method with a margin.
-  look(vertices) {
-    const { three, data } = this;
-    this.camera = new three.OrthographicCamera(-1, 1, 1, -1, 0.1 * data.size, 30 * data.size);
-    this.camera.up.set(0, 0, 1);
-    this.camera.position.fromArray(data.toward).multiplyScalar(10 * data.size);
-    this.camera.lookAt(0, 0, 0);
-    this.camera.updateMatrixWorld();
-    const [right, up] = [0, 1].map((axis) => new three.Vector3().setFromMatrixColumn(this.camera.matrixWorld, axis));
-    const vertex = new three.Vector3();
-    this.halfSize = [0, 0];
-    for (let v = 0; v < vertices.length; v += 3) {
-      vertex.fromArray(vertices, v);
-      this.halfSize = [Math.max(this.halfSize[0], Math.abs(vertex.dot(right))), Math.max(this.halfSize[1], Math.abs(vertex.dot(up)))];
-    }
-    this.halfSize = this.halfSize.map((half) => half + MARGIN * data.size);
-    this.controls = new three.OrbitControls(this.camera, this.canvas);
-    this.radius = 10 * data.size; // of the camera from what it looks at
-    this.controls.enableZoom = false; // a page that is scrolled past must not zoom
-    this.controls.saveState();
+  get camera() {
+    return this.frame.camera;
   }
 
   listen() {
-    this.controls.addEventListener("change", () => this.ask());
+    const { controls } = this.frame;
+    controls.addEventListener("change", () => this.ask());
     this.canvas.addEventListener("pointerdown", (event) => {
       this.pressed = [event.clientX, event.clientY];
       this.canvas.focus({ preventScroll: true });
@@ -107,14 +85,14 @@ class View {
       const [x, y] = this.pressed ?? [event.clientX, event.clientY];
       if (Math.hypot(event.clientX - x, event.clientY - y) < STILL) this.pick(event);
     });
-    this.canvas.addEventListener("focus", () => { this.controls.enableZoom = true; });
-    this.canvas.addEventListener("blur", () => { this.controls.enableZoom = false; });
+    this.canvas.addEventListener("focus", () => { controls.enableZoom = true; });
+    this.canvas.addEventListener("blur", () => { controls.enableZoom = false; });
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     this.canvas.addEventListener("webglcontextrestored", () => this.ask());
     this.slider.addEventListener("input", () => { this.stop(); this.move(); });
     this.play.addEventListener("click", () => (this.running ? this.stop() : this.run()));
-    this.reset.addEventListener("click", () => this.controls.reset());
-    this.fit.addEventListener("click", () => this.fitFrame());
+    this.reset.addEventListener("click", () => controls.reset());
+    this.fit.addEventListener("click", () => { this.frame.fit(this.methods); this.ask(); });
     this.forces.addEventListener("change", () => { this.through.checked ||= this.forces.checked; }); // they are inside of the blocks
     for (const box of [this.points, this.forces, this.through, this.loads]) box.addEventListener("change", () => this.dress());
     this.observer = new ResizeObserver(() => this.resize());
@@ -124,18 +102,18 @@ class View {
   }
 
   key(event) {
-    const turns = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    const step = { n: 1, p: -1 }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (turns && event.shiftKey) this.controls.pan(40 * turns[0], 40 * turns[1]);
-    else if (turns) { this.controls.rotateLeft(STEP * turns[0]); this.controls.rotateUp(STEP * turns[1]); }
-    else if (event.key === "+" || event.key === "=") this.controls.dollyIn(0.9);
-    else if (event.key === "-") this.controls.dollyOut(0.9);
-    else if (event.key === "0") this.controls.reset();
-    else if (event.key === "f") this.fitFrame();
-    else if (event.key === "n") this.walk(1);
-    else if (event.key === "p") this.walk(-1);
-    else return;
+    if (step) this.picking.walk(step);
+    else if (!this.frame.key(event, this.methods)) return;
+    this.ask();
     event.preventDefault();
+  }
+
+  pick(event) {
+    const box = this.canvas.getBoundingClientRect();
+    this.picking.pick(this.frame, event.clientX - box.left, event.clientY - box.top, this.points.checked);
+    this.ask();
   }
 
   dress() {
@@ -146,115 +124,12 @@ class View {
 
   move() {
     const { data } = this, settlement = data.start + (this.slider.value / 1000) * (data.end - data.start);
-    const number = (value) => Number(value.toPrecision(3)).toLocaleString("en"), shown = (value) => number(value * data.unit_per_si);
-    const drawn = (data.magnification ?? 1) === 1 ? "" : `; displacements drawn ${number(data.magnification)} times as large`;
+    const shown = (value) => rounded(value * data.unit_per_si);
+    const drawn = (data.magnification ?? 1) === 1 ? "" : `; displacements drawn ${rounded(data.magnification)} times as large`;
     this.words.textContent = data.end > data.start ? `${shown(settlement)} of ${shown(data.end)} ${data.unit}${drawn}` : "nothing moves";
     this.slider.setAttribute("aria-valuetext", this.words.textContent);
     this.next = settlement;
     this.ask();
-  }
-
-  // Places and zooms the camera so that every method's blocks, as they are drawn now, fill the frame from where it looks.
-  fitFrame() {
-    const { three, camera, controls } = this;
-    camera.updateMatrixWorld();
-    const axes = [0, 1].map((axis) => new three.Vector3().setFromMatrixColumn(camera.matrixWorld, axis)), vertex = new three.Vector3();
-    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
-    for (const { position } of this.methods) {
-      for (let v = 0; v < position.array.length; v += 3) {
-        vertex.fromArray(position.array, v);
-        axes.forEach((axis, k) => { low[k] = Math.min(low[k], vertex.dot(axis)); high[k] = Math.max(high[k], vertex.dot(axis)); });
-      }
-    }
-    const shift = new three.Vector3();
-    axes.forEach((axis, k) => shift.addScaledVector(axis, (low[k] + high[k]) / 2 - controls.target.dot(axis)));
-    camera.position.add(shift);
-    controls.target.add(shift);
-    const [, , width, height] = this.cells[0], metres = (camera.right - camera.left) / this.size[0];
-    camera.zoom = 0.92 * metres * Math.min(width / (high[0] - low[0]), height / (high[1] - low[1]));
-    camera.updateProjectionMatrix();
-    controls.update();
-    this.ask();
-  }
-
-  // The joint or the block under the pointer, its name and its values in words.
-  pick(event) {
-    const box = this.canvas.getBoundingClientRect(), x = event.clientX - box.left, y = this.size[1] - (event.clientY - box.top);
-    const place = this.cells.findIndex(([left, bottom, width, height]) => x >= left && x < left + width && y >= bottom && y < bottom + height);
-    if (place < 0) return;
-    const method = this.methods[place], [left, bottom, width, height] = this.cells[place], { camera, three } = this;
-    const perPixel = (camera.right - camera.left) / this.size[0] / camera.zoom;
-    camera.updateMatrixWorld();
-    const [right, up, back] = [0, 1, 2].map((axis) => new three.Vector3().setFromMatrixColumn(camera.matrixWorld, axis));
-    const at = [(x - left - width / 2) * perPixel + camera.position.dot(right), (y - bottom - height / 2) * perPixel + camera.position.dot(up)];
-    const joint = this.points.checked ? this.nearestJoint(method, at, right, up, NEAR * perPixel) : null;
-    const block = joint === null ? this.blockAt(method, at, right, up, back) : null;
-    this.choose(joint === null && block === null ? null : { place, joint, block });
-  }
-
-  // The next block or the one before it, of one method after another.
-  walk(step) {
-    const count = this.data.names.length, all = count * this.methods.length, { place, block } = this.chosen ?? {};
-    const from = Number.isInteger(block) ? place * count + block : step > 0 ? -1 : 0;
-    const next = (from + step + all) % all;
-    this.choose({ place: Math.floor(next / count), joint: null, block: next % count });
-  }
-
-  choose(chosen) {
-    this.chosen = chosen;
-    this.methods.forEach((one, k) => one.outline(k === chosen?.place ? chosen.block : null));
-    this.tell();
-    this.ask();
-  }
-
-  nearestJoint(method, at, right, up, reach) {
-    const point = new this.three.Vector3();
-    let nearest = null, least = reach;
-    for (let joint = 0; joint < method.states.length; joint++) {
-      point.fromArray(method.middle.array, 3 * joint);
-      const distance = Math.hypot(point.dot(right) - at[0], point.dot(up) - at[1]);
-      if (distance < least) [nearest, least] = [joint, distance];
-    }
-    return nearest;
-  }
-
-  // The block of the frontmost triangle that covers a place in the plane of the picture.
-  blockAt(method, at, right, up, back) {
-    const { triangles, owner } = this.geometry, { array } = method.position, point = new this.three.Vector3();
-    let found = null, front = -Infinity;
-    for (let t = 0; t < triangles.length; t += 3) {
-      const [a, b, c] = [0, 1, 2].map((k) => {
-        point.fromArray(array, 3 * triangles[t + k]);
-        return [point.dot(right) - at[0], point.dot(up) - at[1], point.dot(back)];
-      });
-      const cross = (p, q) => p[0] * q[1] - p[1] * q[0], areas = [cross(b, c), cross(c, a), cross(a, b)];
-      const whole = areas[0] + areas[1] + areas[2];
-      if (!whole || areas.some((area) => area * whole < 0)) continue;
-      const depth = (areas[0] * a[2] + areas[1] * b[2] + areas[2] * c[2]) / whole;
-      if (depth > front) [found, front] = [owner[triangles[t]], depth];
-    }
-    return found;
-  }
-
-  tell() {
-    if (!this.chosen) {
-      this.picked.textContent = "Click a block or a joint for its name and values.";
-      return;
-    }
-    const { data, geometry } = this, { place, joint, block } = this.chosen, method = this.methods[place];
-    const number = (value) => (Number(value.toPrecision(3)) + 0).toLocaleString("en", { maximumSignificantDigits: 3 }), force = (value) => `${number(value / data.force_unit_size)} ${data.force_unit}`;
-    if (block !== null) {
-      const [x, y, z, a, b, c] = method.moved.slice(6 * block, 6 * block + 6), weight = geometry.weights[block];
-      this.picked.textContent = `${method.label}: block "${data.names[block]}"${weight > 0 ? `, weight ${force(weight)}` : ""}; moved by `
-        + `(${[x, y, z].map((part) => number(1e3 * part)).join(", ")}) mm, turned by ${number(1e3 * Math.hypot(a, b, c))} mrad (true size)`;
-      return;
-    }
-    const [first, second] = geometry.sides.slice(2 * joint, 2 * joint + 2), on = method.loaded.slice(3 * joint, 3 * joint + 3);
-    const along = [0, 1, 2].reduce((sum, k) => sum + on[k] * geometry.normals[3 * joint + k], 0);
-    const across = Math.hypot(...[0, 1, 2].map((k) => on[k] - along * geometry.normals[3 * joint + k]));
-    const used = along > 0 ? `; shear over normal ${number(across / along)} of mu ${number(geometry.friction[joint])}` : "";
-    this.picked.textContent = `${method.label}: joint of "${data.names[first]}" and "${data.names[second]}" ${(MARKS[method.states[joint]] ?? ["is unknown"])[0]}; `
-      + `normal force ${force(along)}, shear ${force(across)}${used}`;
   }
 
   run() {
@@ -276,66 +151,48 @@ class View {
   }
 
   resize() {
-    const width = this.stage.clientWidth, count = this.methods.length, [halfWidth, halfHeight] = this.halfSize;
+    const width = this.stage.clientWidth, { frame } = this;
     if (!width) return;
-    const beside = width >= 560 || count === 1;
-    const cell = beside ? width / count : width, tall = Math.min(Math.max((cell * halfHeight) / halfWidth, 220), 560);
-    this.cells = this.methods.map((_, k) => (beside ? [k * cell, 0, cell, tall] : [0, (count - 1 - k) * tall, cell, tall]));
-    this.size = [width, beside ? tall : count * tall];
-    this.stage.classList.toggle("stacked", !beside);
-    this.renderer.setSize(...this.size);
-    this.controls.rotateSpeed = this.size[1] / TURN;
-    this.titles.forEach((title, k) => Object.assign(title.style, {
-      left: `${this.cells[k][0]}px`, top: `${this.canvas.offsetTop + this.size[1] - this.cells[k][1] - this.cells[k][3]}px`,
-    }));
-    const metres = Math.max(halfWidth / cell, halfHeight / tall); // for half a pixel
-    Object.assign(this.camera, { left: -metres * width, right: metres * width, top: metres * this.size[1], bottom: -metres * this.size[1] });
-    this.camera.updateProjectionMatrix();
+    frame.divide(width, this.methods.length);
+    this.stage.classList.toggle("stacked", frame.stacked);
+    this.renderer.setSize(...frame.size);
+    this.titles.forEach((title, k) => {
+      const [left, bottom, , height] = frame.cells[k];
+      Object.assign(title.style, { left: `${left}px`, top: `${this.canvas.offsetTop + frame.size[1] - bottom - height}px` });
+    });
     this.ask();
   }
 
   // Draws at most once a frame, whatever the number of events.
   ask() {
-    this.frame ??= requestAnimationFrame(() => {
-      this.frame = undefined;
+    this.asked ??= requestAnimationFrame(() => {
+      this.asked = undefined;
       for (const method of this.next === undefined ? [] : this.methods) method.show(this.next, this.data.magnification ?? 1);
-      if (this.next !== undefined && this.chosen) this.tell();
+      if (this.next !== undefined) this.picking.tell();
       this.next = undefined;
+      if (!this.frame.size) return;
       this.measure();
-      this.draw();
+      this.frame.draw(this.renderer, this.methods);
+      this.methods.forEach((method, k) => this.label(method, k));
     });
   }
 
   // The scale of the forces: a bar of a round force, as long as that force is drawn now.
   measure() {
-    const { data, camera } = this;
-    if (!this.size || !(data.largest_force > 0)) return;
-    const longest = LONGEST * data.size * camera.zoom * this.size[0] / (camera.right - camera.left); // pixels
+    const { data } = this;
+    if (!(data.largest_force > 0)) return;
+    const longest = (LONGEST * data.size) / this.frame.metresPerPixel; // pixels
     const most = data.largest_force * Math.min(1, 120 / longest) / data.force_unit_size, power = 10 ** Math.floor(Math.log10(most));
     const round = power * [5, 2, 1].find((step) => step * power <= most);
     this.scale.style.width = `${(longest * round * data.force_unit_size) / data.largest_force}px`;
     this.force.textContent = `force of ${Number(round.toPrecision(1))} ${data.force_unit}`;
   }
 
-  // The camera spans the whole canvas, so that the mouse moves what it points at; each method shows the middle of it in its own part.
-  draw() {
-    if (!this.size) return;
-    this.renderer.setScissorTest(true);
-    this.methods.forEach((method, k) => {
-      const [x, y, width, height] = this.cells[k], [whole, high] = this.size;
-      this.renderer.setViewport(x + (width - whole) / 2, y + (height - high) / 2, whole, high);
-      this.renderer.setScissor(x, y, width, height);
-      this.renderer.render(method.scene, this.camera);
-      this.label(method, k);
-    });
-  }
-
   // The words of the loads beside what is drawn, none upon another and none beyond the method's part.
   label(method, k) {
-    const [x, y, width, height] = this.cells[k], [whole, high] = this.size, taken = [], point = new this.three.Vector3();
+    const [x, y, width, height] = this.frame.cells[k], [, high] = this.frame.size, taken = [], point = new this.three.Vector3();
     this.labels[k].forEach((label, place) => {
-      method.anchor(method.loads[place], point).project(this.camera);
-      const at = [x + width / 2 + (point.x * whole) / 2, high - (y + height / 2 + (point.y * high) / 2)], wide = label.offsetWidth, tall = label.offsetHeight;
+      const at = this.frame.pixel(method.anchor(method.loads[place], point), k), wide = label.offsetWidth, tall = label.offsetHeight;
       const left = Math.min(Math.max(at[0] + 6, x), x + width - wide);
       let top = at[1] + 3;
       for (let other; (other = taken.find(([l, t, w]) => left < l + w && l < left + wide && Math.abs(top - t) < tall));) top = other[1] + tall + 1;
@@ -347,9 +204,9 @@ class View {
 
   release() {
     this.stop();
-    cancelAnimationFrame(this.frame);
+    cancelAnimationFrame(this.asked);
     this.observer.disconnect();
-    this.controls.dispose();
+    this.frame.controls.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
     this.stage.replaceChildren();
