@@ -81,7 +81,9 @@ def message_of(error: BaseException) -> str:
 def _about_encoding(error: BaseException) -> str:
     """What to say of a name that this locale lacks letters for, or of a file of matplotlib's style in another encoding; else ""."""
     if isinstance(error, UnicodeEncodeError) and is_of_locale(str(error.object)):
-        return f"{visible(str(error.object))}: this name cannot be used: {OF_LOCALE}"
+        before, after = str(error.object)[: error.start], str(error.object)[error.start :]
+        line = before.rpartition("\n")[2] + after.partition("\n")[0]  # of a page, the line with the name
+        return f"{visible(line)}: this name cannot be used: {OF_LOCALE}"
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__) if frame.f_code.co_name == "_rc_params_in_file"]
     if not frames or not isinstance(error, UnicodeDecodeError):
         return ""

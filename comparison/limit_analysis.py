@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 from comparison.errors import FolderInUseError
 from comparison.judge import answer_of_text, requested_accuracy
+from comparison.provenance import describe
 from comparison.run_folder import LOCK, alone_in, copy_inputs, refuse_name
 from la_core import exchange
 from la_core.analysis import AnalysisListener, LimitAnalysis, StructuralModel, analyse, case_file
@@ -43,7 +44,7 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
     analysis = _analysed(model, listener)
     for name in ("run.h5", "yade.log"):
         (folder / name).unlink(missing_ok=True)
-    case_file.write_case(path, analysis, inputs)
+    case_file.write_case(path, analysis, inputs, made_by=describe())
     return analysis, inputs
 
 
@@ -109,7 +110,7 @@ def _store_as_first(analysis: LimitAnalysis, inputs: str, folder: Path) -> None:
     with alone_in(folder):
         if _is_free(folder, scene):  # another process may have been faster
             copy_inputs(scene, folder)
-            case_file.write_case(folder / "case.h5", analysis, inputs)
+            case_file.write_case(folder / "case.h5", analysis, inputs, made_by=describe())
 
 
 def _is_free(folder: Path, scene: Scene) -> bool:

@@ -220,6 +220,12 @@ def test_a_variant_is_named_and_titled_by_its_changes() -> None:
     assert len(la_core.variant(pads, {"source": 1000 * "x"}).name) < 255  # bytes of a file's name
 
 
+def test_the_title_of_a_variant_has_arrays_as_a_scene_file_has_them() -> None:
+    """NumPy breaks a matrix into lines, and so the heading of a printed scene."""
+    profile = np.array([[0.0, 0.5], [1.0, 1.0]])
+    assert la_core.variant("two_pads", {"settlement.profile": profile}).title.endswith(": settlement.profile = [[0.0, 0.5], [1.0, 1.0]]")
+
+
 def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
     """An inset given as what it is by default."""
     pads = la_core.load("two_pads")

@@ -57,7 +57,8 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
     if title:
         say(console, title)
     terminal = console.width
-    console.width = max(terminal, _width(table, gone)) if whole and can_go else terminal  # a console prints nothing wider than itself
+    # A console prints nothing wider than itself. The numbers of a table that loses columns are never broken: it goes beyond the terminal.
+    console.width = max(terminal, _width(table, gone)) if can_go else terminal
     console.print(_without(table, gone) if gone else table)
     console.width = terminal
 

@@ -79,7 +79,7 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
     """Return the Coulomb interval; either end may be infinite. None where the interval is unknown or a point."""
     if analysis.coulomb is None or np.isnan([analysis.coulomb.value, *analysis.coulomb.interval]).any():
         return None
-    low, high = analysis.coulomb.interval
+    low, high = (without_round_off(end, 0.0 if analysis.main is Drive.LIVE else analysis.scene.weight) for end in analysis.coulomb.interval)
     return (low, high) if high - low > POINT * abs(analysis.coulomb.value) else None
 
 

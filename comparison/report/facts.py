@@ -1,5 +1,6 @@
 """Facts of a structure and its mechanisms that a report states: they go into `comparison.json` beside the results, in SI units."""
 
+import hashlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -23,7 +24,8 @@ def structure_facts(results: Results) -> dict[str, Any]:
     `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
     `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
     method only. `moving_joints` counts those of limit analysis, and has those that move most as rows. `ground_reactions` counts the
-    fixed and the support blocks that touch the structure, and has the largest forces on it, by method, as rows.
+    fixed and the support blocks that touch the structure, and has the largest forces on it, by method, as rows. `files` has the SHA-256
+    of the scene and of each file that it reads, by the name of its copy.
     """
     scene, analysis = results.scene, results.analysis
     blocks = scene.blocks
@@ -34,6 +36,7 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "project": scene.project,
         "author": scene.author,
         "date": scene.date,
+        "files": _digests(scene),
         "gravity": scene.gravity.tolist(),
         "friction": np.unique(analysis.whole.points.friction).tolist(),
         "inset": scene.inset,
@@ -55,6 +58,12 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "has_thrust_line": bool(len(thrust_line(analysis.assembly))),
     }
     return facts | _mechanism_facts(results) | {"ground_reactions": _ground_reactions(results)}
+
+
+def _digests(scene: Scene) -> dict[str, str]:
+    """Return the SHA-256 of a scene and of its drawings and meshes, by name, as they were read."""
+    contents = {"scene.toml": scene.text.encode()} | {str(mesh.path): mesh.content for mesh in scene.meshes}
+    return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
 
 def stone_density(scene: Scene) -> np.ndarray:

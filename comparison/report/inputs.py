@@ -124,7 +124,7 @@ def _support(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
     else:
         yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
     for own in facts.get("motions") or ():
-        turn = f", angular {_vector(own['spin'])}" if any(own["spin"]) else ""
+        turn = f" in its middle, angular {_vector(own['spin'])} rad/m" if any(own["spin"]) else ""
         yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
     support = facts.get("support") or {}
     if support:

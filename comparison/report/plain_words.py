@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, format_number, several_plateaus, with_uncertainty
-from comparison.report.values import associated_of, rounding_change, rounding_words
+from comparison.numbers import A_POINT, Units, format_number, several_plateaus, with_uncertainty
+from comparison.report.values import associated_of, rounding_change, rounding_words, values_of
 from comparison.verdict import Verdict
 from la_core.text_table import PLACES, coordinate_text, exists, without_round_off
 
@@ -40,6 +40,7 @@ def _sentences(comparison: dict[str, Any], units: Units) -> Iterator[str]:
         yield from _under_load(comparison, facts, units)
     else:
         yield from _on_support(comparison, facts, units)
+    yield from _how_well_known(comparison, units)
     if facts:
         yield _assumed(facts)
 
@@ -89,6 +90,19 @@ def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
         yield f"YADE gives no steady value ({yade.get('status')})."
 
 
+def _how_well_known(comparison: dict[str, Any], units: Units) -> Iterator[str]:
+    """Yield the uncertainties that the methods state, and the range that friction's history leaves open where joints slide."""
+    r = values_of(comparison, units)
+    unit = f" {r['unit']}" if r["unit"] else ""
+    values = {"limit analysis": (r["coulomb"], r["coulomb_uncertainty"]), "YADE": (r["yade"], r["uncertainty"])}
+    stated = {name: words for name, pair in values.items() if "±" in (words := with_uncertainty(*pair))}
+    if stated:
+        yield f"With the uncertainty that each method states: {', '.join(f'{name} {words}{unit}' for name, words in stated.items())}."
+    if exists(r["half_width"]) and r["interval"] != A_POINT:
+        most = f", and any mechanism {r['bounds']}{unit}" if exists(r["least"]) else ""
+        yield f"With another history of friction the same mechanism allows {r['interval']}{most}."
+
+
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
     predicted = predicted_value(comparison)
     direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
@@ -101,6 +115,8 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
             f"Pushed{direction} by a share of every block's weight, {_moves_at(comparison)} {most}{format_number(predicted, 4)} times "
             f"{weight}, {'W = ' if weight == ALL_PUSHED else ''}{units.text(size, 'N', 4)}{bound}."
         )
+        if exists(size):
+            yield f"The push is then {most}{units.text(predicted * size, 'N', 4)}."
     if exists(predicted):
         yield f"Then {_moving_words(comparison, facts)}."
     yade = comparison.get("yade") or {}

@@ -14,9 +14,12 @@ from comparison.report.viewer import scripts
 from comparison.run_folder import HEAD, read_text, write_text
 from comparison.verdict import VERDICTS
 from la_core.errors import visible
+from la_core.exchange import TIME, made_by
 from la_core.text_table import exists
 
 LIMITATIONS = (
+    "Both methods share the model: geometry, weights, loads, friction, and rigid blocks that touch at the same points of shared faces, not "
+    "at single edges or corners. Agreement proves neither this model nor its inputs.",
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
     "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "
     "forces over sections.",
@@ -36,7 +39,8 @@ LIMITATIONS = (
     'rotation = "small" is for settlements before this release, "finite" for settlements after it. By default limit analysis also says '
     "what the prediction becomes after the release; YADE checks the value before it, and the value after it where its run goes so far.",
     "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
-    "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
+    "Agreement at that inset does not prove the answer for sharp edges. The report therefore says how much the inset changes the least "
+    "reaction, or the multiplier, of associated limit analysis; "
     "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",
     "A mechanism need not be unique, least of all in a large wall: two different mechanisms may both belong to the right reaction.",
     "Compressive strength is infinite. Joints carry neither tension nor cohesion. Blocks do not crush, crack or chip. "
@@ -112,10 +116,10 @@ def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[st
 
 
 def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
-    """Return the day of the latest result that a method stored, as an ISO date; "" without any."""
+    """Return the day, where it was made, of the latest result that a method stored, as an ISO date; "" where no result says it."""
     paths = [folder / str(comparison.get("scene")) / name for comparison in comparisons for name in ("case.h5", "run.h5")]
-    times = [path.stat().st_mtime for path in paths if path.is_file()]
-    return datetime.date.fromtimestamp(max(times)).isoformat() if times else ""
+    moments = [datetime.datetime.fromisoformat(time) for path in paths if (time := made_by(path).get(TIME))]
+    return max(moments).date().isoformat() if moments else ""
 
 
 def stored_report(

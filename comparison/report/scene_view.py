@@ -96,6 +96,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "geometry": list(change_rows(comparison["geometry"])) if comparison.get("geometry") else [],
         "given": key_rows(text) if text else [],
         "scene_file": text,
+        "files": list(((comparison.get("structure") or {}).get("files") or {}).items()),
         "expected": list(expected_rows(comparison)),
         "rounding": rounding_words(comparison, units),
         "costs": list(costs(comparison, results, EVIDENCE, units)),
@@ -104,7 +105,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "measures": list(measures(comparison, results["live"], units)),
         "joints": moving_joints(comparison, units),
         "ground": reactions(comparison, units),
-        "effects": list(_effects(comparison)),
+        "effects": list(_effects(comparison, units)),
         "evidence": list(_evidence(comparison)),
         "settings": setting_rows(comparison),
         "provenance": list(flat(comparison.get("provenance") or {})),
@@ -125,7 +126,7 @@ def _joint_notes(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield a sentence for each method whose mechanism opens or slides in joints that rest in the other's."""
     for name, alone in ((comparison.get("structure") or {}).get("joints_of_one_method") or {}).items():
         if alone["count"]:
-            names, rest = "; ".join(alone["names"]), alone["count"] - len(alone["names"])
+            names, rest = "; ".join(f'"{pair}"' for pair in alone["names"]), alone["count"] - len(alone["names"])
             more = f" and {rest} more" if rest else ""
             yield (
                 f"Only in the mechanism of {METHODS.get(name, name)} these joints open or slide: {names}{more}. "
@@ -151,7 +152,7 @@ def _sentence(comparison: dict[str, Any]) -> str:
 def _first_verdict(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield the sentence about an earlier attempt with coarser settings; nothing where there was none."""
     if first := comparison.get("first_verdict"):
-        before = f"The first one, {first['scene']}, was {first['verdict']}: {first['reason']}"
+        before = f'The first one, "{first["scene"]}", was {first["verdict"]}: {first["reason"]}'
         yield f"Second attempt, with finer settings of both methods. {before}"
 
 
@@ -273,7 +274,7 @@ def _curve_words(comparison: dict[str, Any]) -> str:
     return f" The curve's motion is divided by {number}: YADE's joints are {stiffer}." if number else ""
 
 
-def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
+def _effects(comparison: dict[str, Any], units: Units) -> Iterator[dict[str, str]]:
     """Yield one row an effect: on or off, how it is modelled, why, and the savings without it or its time in seconds."""
     for row in (comparison.get("effects") or {}).get("table") or []:
         saved = ", ".join(f"{format_number(count)} {name}" for name, count in (row.get("saved") or {}).items())
@@ -283,7 +284,7 @@ def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
             "what": str(row.get("what")),
             "state": "on" if row.get("on") else "off",
             "modelled": str(row.get("modelled")),
-            "reason": str(row.get("reason") or ""),
+            "reason": units.words(str(row.get("reason") or "")),
             "cost": f"saves {saved}" if saved else took or DASH,
         }
 

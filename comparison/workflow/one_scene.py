@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from comparison import provenance
 from comparison.judge import (
     INTERRUPTED_RUN,
     check_answer,
@@ -23,7 +22,7 @@ from comparison.judge import (
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
 from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, read_text, write_text
-from comparison.verdict import Check, Verdict
+from comparison.verdict import VERDICTS, Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
     COMPARISON_CODE,
@@ -136,7 +135,11 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = [note for note in previous.get("notes") or [] if note != LIVE_WITHOUT_YADE] or _notes(results.analysis)
         outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
-        return _compare(outcome, folder, listener, None)
+        summary = _compare(outcome, folder, listener, None)
+    if previous.get("verdict", summary["verdict"]) != summary["verdict"]:
+        now, before = (VERDICTS[judged["verdict"]][1] for judged in (summary, previous))
+        listener.stage(results.scene.name, "comparison", f"{now}; the same results were judged before: {before}")
+    return summary
 
 
 def would_run_slower(folder: Path, time_limit: float | None) -> bool:
@@ -240,7 +243,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     checks = [*check_expected(analysis), *_judge(outcome), *requested_accuracy.check_accuracy(results)]
     summary = comparison_summary(results, outcome.yade, checks, outcome.notes, first)
     summary |= {"structure": without_undefined(structure_facts(results)), "first_verdict": outcome.first_verdict}
-    summary |= {"provenance": provenance.describe(), "inputs": inputs}
+    summary |= {"provenance": _made_by(folder, previous), "inputs": inputs}
     if not is_writable(folder):
         return summary
     if previous.get("inputs") != inputs:
@@ -254,6 +257,12 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     summary["sum"] = _sum_of(summary)
     write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     return summary
+
+
+def _made_by(folder: Path, previous: Mapping[str, Any]) -> dict[str, str]:
+    """Return versions and machine of the limit analysis in a folder; empty where neither its file nor the earlier comparison says it."""
+    stored = exchange.made_by(folder / "case.h5")
+    return {name: words for name, words in stored.items() if name != exchange.TIME} or previous.get("provenance") or {}
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:

@@ -14,6 +14,7 @@ import numpy as np
 from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.judge import answer_of, without_run, without_undefined, yade_summary
 from comparison.limit_analysis import Listener, first_prediction
+from comparison.provenance import describe
 from comparison.run_folder import is_second_attempt
 from comparison.yade import ROOT, Run, Yade, locate_yade, read_run, run_yade
 from la_core import exchange
@@ -58,7 +59,7 @@ def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, f
             first = answer_of(before)
         (folder / "run.h5").unlink(missing_ok=True)
         text = json.dumps(without_undefined(first), sort_keys=True) if first else ""
-        case_file.write_case(folder / "case.h5", analysis, inputs, text)
+        case_file.write_case(folder / "case.h5", analysis, inputs, text, describe())
     return analysis
 
 

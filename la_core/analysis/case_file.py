@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -39,7 +40,9 @@ def _motion(scene: Scene) -> np.ndarray:
     return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
 
 
-def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_prediction: str = "") -> None:
+def write_case(
+    path: Path, analysis: LimitAnalysis, inputs: str, first_prediction: str = "", made_by: Mapping[str, str] | None = None
+) -> None:
     """Write `case.h5`.
 
     Parameters
@@ -52,6 +55,8 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         Digest of everything that the results depend on, see `scene_digest`; a cached stage compares it.
     first_prediction : str
         Text to be kept beside the results: what limit analysis said before an effect was restored. "" for none.
+    made_by : mapping of str to str, optional
+        Versions of the programs that made the results, and their machine.
     """
     scene, assembly, record = analysis.scene, analysis.assembly, analysis.accuracy
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
@@ -99,7 +104,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     if first_prediction:
         fields += (exchange.FIRST_PREDICTION,)
         values[exchange.FIRST_PREDICTION.path] = first_prediction
-    exchange.write(path, fields, values, inputs)
+    exchange.write(path, fields, values, inputs, made_by)
 
 
 def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:

@@ -51,7 +51,7 @@ from la_core.exchange.fields import (
     schema_table,
     solution_fields,
 )
-from la_core.exchange.hdf5 import holds, inputs_digest, present, read, values_of, write
+from la_core.exchange.hdf5 import TIME, holds, inputs_digest, made_by, present, read, values_of, write
 
 __all__ = [
     "ASK_OWNER",
@@ -90,6 +90,7 @@ __all__ = [
     "SUPPORT",
     "SUPPORT_TWISTS",
     "SWAY",
+    "TIME",
     "TRAVEL_OVER_INSET",
     "TRAVEL_PERIODS",
     "UNBALANCED",
@@ -101,6 +102,7 @@ __all__ = [
     "holds",
     "inputs_digest",
     "json_rules",
+    "made_by",
     "present",
     "read",
     "schema_table",

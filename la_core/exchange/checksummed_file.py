@@ -7,7 +7,7 @@ damaged, truncated or foreign file is refused and never misread. Standard librar
 
 import contextlib
 import hashlib
-import os
+import threading
 from pathlib import Path
 
 VERSION = 3
@@ -25,7 +25,7 @@ def write_whole(path: Path, content: bytes) -> None:
 
     Raises OSError with the name of the file.
     """
-    unwritten = path.with_name(f"{path.name}.{os.getpid()}.part")
+    unwritten = path.with_name(f"{path.name}.{threading.get_native_id()}.part")  # a process may write the same file in several threads
     try:
         unwritten.write_bytes(content)
         unwritten.replace(path)

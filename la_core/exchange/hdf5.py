@@ -1,7 +1,9 @@
 """Write, read and check HDF5 files by the fields of a schema; every fault of a file is an ExchangeError."""
 
 import contextlib
+import datetime
 import io
+import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -12,10 +14,11 @@ import numpy as np
 from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, read_sealed, write_sealed
 from la_core.exchange.fields import Field
 
+TIME = "time"  # in `made_by`
 _TEXT, _SCALAR = h5py.h5t.py_create(h5py.string_dtype(), logical=True), h5py.h5s.create(h5py.h5s.SCALAR)  # of labels
 
 
-def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
+def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str, made_by: Mapping[str, str] | None = None) -> None:
     """Write a file; a crash leaves the previous one.
 
     Parameters
@@ -28,6 +31,8 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
         Value of each field, by its path.
     inputs : str
         Digest of the inputs that made the values.
+    made_by : mapping of str to str, optional
+        Versions of the programs that made the values, and their machine. The file keeps them with its time, see `made_by`.
 
     Raises
     ------
@@ -41,6 +46,8 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
     with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
         file.attrs["version"] = VERSION
         file.attrs["inputs"] = np.bytes_(inputs.encode())
+        time = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+        file.attrs["made_by"] = np.bytes_(json.dumps({**(made_by or {}), TIME: time}).encode())
         groups: dict[str, Any] = {}
         for field in fields:
             place, _, name = field.path.rpartition("/")
@@ -73,6 +80,19 @@ def inputs_digest(path: Path) -> str:
             return bytes(file.attrs["inputs"]).decode()
     except ExchangeError:
         return ""
+
+
+def made_by(path: Path) -> dict[str, str]:
+    """Versions and machine that made `path`, and under TIME when, local time in ISO 8601; empty where no such file says it.
+
+    The times of the file system are not asked: a copy has others.
+    """
+    try:
+        with _opened(path) as file:
+            stored = json.loads(bytes(file.attrs["made_by"]).decode()) if "made_by" in file.attrs else {}
+    except (ExchangeError, ValueError):
+        return {}
+    return {str(name): str(value) for name, value in stored.items()} if isinstance(stored, dict) else {}
 
 
 def holds(path: Path, group: str) -> bool:

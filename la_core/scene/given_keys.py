@@ -48,6 +48,8 @@ def _keys(data: dict[str, Any], table: type[pydantic.BaseModel], path: str) -> I
             continue
         extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
         meaning, unit = field.description or "", str(extra.get("unit", ""))
+        if "per" in fields and " or " in unit:  # a load: for each block, metre or square metre
+            unit = unit.replace(" or ", ", ").split(", ")[("block", "m", "m2").index(data.get("per", "block"))]
         key = f"{path}{name}"
         tables = value if isinstance(value, list) and value and isinstance(value[0], dict) else [value]
         if not isinstance(tables[0], dict):

@@ -118,7 +118,7 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     name = name or _shortened(",".join([scene.name, *(_name_of(key, value) for key, value in plain.items())]))
     override(tables, plain, f"variant of {scene.name}")
     if changes and "title" not in changes:
-        tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
+        tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in plain.items())])[:LONGEST_TITLE]
     return _built(tables, name, scene.path.parent, f"variant of {scene.name}")
 
 

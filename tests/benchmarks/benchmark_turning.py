@@ -63,8 +63,7 @@ whose blocks in reverse order come to 9 % less by both methods, is therefore not
 *released*: what the default prediction says of the value after a release. *interval*: width of the mechanism's interval for small
 rotations, over the value. *leaves at*: settlement at which the path with finite rotations has left the value of small ones by
 {100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of YADE and limit analysis, both with finite
-rotations. *s*: seconds of YADE's run. The cost of default
-predictions was measured before a third path followed where the value after a release is uncertain.
+rotations. *s*: seconds of YADE's run, with other work on the same cores.
 """
 HEADINGS = (
     "scene",

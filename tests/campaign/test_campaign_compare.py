@@ -163,6 +163,23 @@ def test_a_column_that_an_earlier_version_did_not_have_is_no_change(tmp_path: Pa
     assert not compare_tables(before, after).changed and not compare_tables(after, before).changed
 
 
+@pytest.mark.parametrize(
+    ("row", "before", "after", "is_change"),
+    [
+        ({"unit": ""}, -6.1e-12, -1.7e-11, False),  # a multiplier of a structure without friction
+        ({"unit": ""}, 0.0, 1e-5, True),
+        ({"unit": "N m", "least_tolerance": 1.0}, 0.0, 5e-3, False),  # 1e-4 of W = 1 kN with a lever arm of 10 m
+        ({"unit": "N m", "least_tolerance": 1.0}, 0.0, 5e-2, True),
+    ],
+)
+def test_round_off_of_a_value_near_0_is_no_change(
+    row: dict[str, object], before: float, after: float, is_change: bool, tmp_path: Path
+) -> None:
+    alike = changed(campaign(tmp_path), 0, weight=1000.0, **row)
+    first, second = (changed(alike, 0, least=value) for value in (before, after))
+    assert compare_tables(first, second).changed is is_change
+
+
 def test_costs_and_versions_are_told_and_are_no_change(tmp_path: Path) -> None:
     before = campaign(tmp_path)
     costs = [cost | {"limit_analysis_seconds": 3.0 * cost["limit_analysis_seconds"]} for cost in before.costs]

@@ -116,6 +116,15 @@ def test_a_narrow_table_loses_the_columns_that_may_go_and_names_them() -> None:
     assert any("x" * 40 in line and "y" * 30 in line for line in whole)
 
 
+def test_numbers_are_never_broken_however_narrow_a_terminal_is() -> None:
+    made = tables.new_table("scene", "Coulomb", "verdict", "seconds")
+    made.add_row("wall", "0.01558 ± 0.00005", "inconclusive", "12")
+    console = Console(file=io.StringIO(), width=30, soft_wrap=True)
+    show_table(console, made, ("seconds",))
+    lines = str(console.file.getvalue()).splitlines()  # type: ignore[attr-defined]
+    assert any("0.01558 ± 0.00005   inconclusive" in line for line in lines) and console.width == 30
+
+
 def printed(table: object, width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width, soft_wrap=True)
     console.print(table)

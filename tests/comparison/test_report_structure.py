@@ -14,7 +14,7 @@ from made_up_comparisons import comparison_of, page_and_markdown
 from comparison.judge.checks.energy import LEAST_TURNOVER
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units, percent
-from comparison.report import predicted_value, report, structure_facts
+from comparison.report import predicted_value, report, scene_view, structure_facts
 from comparison.report.inputs import input_rows, key_rows, setting_rows
 from comparison.report.plain_words import plain_words
 from comparison.yade import Results
@@ -190,6 +190,42 @@ def test_the_conclusion_says_what_a_negative_reaction_means(motion: list[float],
     told = " ".join(plain_words(comparison | {"weight": 1000.0, "unit": unit}, Units(50.0)))
     assert told.endswith(f"The minus says that the structure {words} {ASSUMED}") if words else "holds the support back" not in told
     assert ("still carries" in told) == (not words)
+
+
+def test_the_conclusion_says_how_well_the_values_are_known() -> None:
+    """Who copies one number from the report should not have to look for its uncertainty, and for what friction's history leaves open."""
+    bounds = {"status": "solved", "reaction": 400.0, "reaction_max": 900.0}
+    coulomb = {"status": "solved", "reaction": 500.0, "uncertainty": 2.0, "reaction_interval": [450.0, 600.0], "interval_status": "limited"}
+    comparison = {"limit_analysis": {"associated": bounds, "coulomb": coulomb}, "structure": FACTS, "weight": 1000.0, "unit": "N"}
+    yade = {"status": "plateau", "reaction": 501.0, "uncertainty": 4.0}
+    told = " ".join(plain_words(comparison | {"yade": yade}, Units(1000.0)))
+    assert "With the uncertainty that each method states: limit analysis 0.500 ± 0.002 kN, YADE 0.501 ± 0.004 kN." in told
+    assert "another history of friction the same mechanism allows 0.45000 to 0.60000 kN, and any mechanism 0.40000 to 0.90000 kN." in told
+    point = coulomb | {"reaction_interval": [500.0, 500.0], "uncertainty": 0.0}
+    known = comparison | {"limit_analysis": {"associated": bounds, "coulomb": point}}
+    assert not {"uncertainty", "history"} & set(" ".join(plain_words(known, Units(1000.0))).replace(",", "").split())
+
+
+def test_a_push_is_given_as_a_force_too() -> None:
+    """The weight beside the multiplier reads as the push at failure."""
+    answer = {"status": "solved", "multiplier": 0.5}
+    comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS, "weight": 1000.0, "unit": ""}
+    told = " ".join(plain_words(comparison, Units(1000.0)))
+    assert "fails at 0.5000 times its weight, W = 1 kN. The push is then 0.5000 kN." in told
+
+
+def test_a_name_that_ends_in_a_unit_keeps_its_number() -> None:
+    alone = {"limit_analysis": {"count": 1, "names": ["pier 3 N and lintel 2 m"]}}
+    first = {"scene": "span 3 m", "verdict": "inconclusive", "reason": "apart by 3 N."}
+    comparison = {"first_verdict": first, "structure": {"joints_of_one_method": alone}}
+    shown = " ".join(Units(1000.0).words(note) for note in scene_view._notes(comparison))
+    assert '"pier 3 N and lintel 2 m"' in shown and '"span 3 m", was' in shown and "apart by 0.003 kN" in shown
+
+
+@pytest.mark.parametrize(("per", "unit"), [("", "kg"), ("per = 'm'", "kg/m"), ("per = 'm2'", "kg/m2")])
+def test_the_unit_of_a_load_is_that_of_its_own_kind(per: str, unit: str) -> None:
+    (mass,) = [row for row in key_rows(f"[[load]]\nname = 'floor'\nmass = 900.0\n{per}\n") if row[0] == "load[0].mass"]
+    assert mass[1] == f"900.0 {unit}"
 
 
 def test_the_share_of_a_reaction_of_round_off_is_0_percent() -> None:

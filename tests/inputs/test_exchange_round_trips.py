@@ -1,5 +1,6 @@
 """What is written for the other method is read back as it was, or not written at all."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from la_core.analysis.result import LimitAnalysis, associated_values
 from la_core.analysis.stage import analyse
 from la_core.exchange import hdf5
 from la_core.exchange.checksummed_file import ExchangeError
+from la_core.exchange.checksummed_file import write_whole as write_whole_file
 from la_core.exchange.fields import CASE_FIELDS
 from la_core.limit.associated import Solution
 from la_core.limit.problem import Drive
@@ -149,3 +151,12 @@ def test_digest_of_inputs_is_only_that_of_a_whole_file(whole, tmp_path) -> None:
 def test_digest_follows_the_scene(two_pads) -> None:
     first, same, other = scenes.load(two_pads), scenes.load(two_pads), scenes.load(two_pads.replace("0.6", "0.61"))
     assert scene_digest(first) == scene_digest(same) != scene_digest(other)
+
+
+def test_several_threads_may_write_one_file(tmp_path: Path) -> None:
+    """As reports of a program that runs several scenes at a time: threads took each other's unfinished file away."""
+    path, contents = tmp_path / "report.json", [bytes([65 + k]) * 100_000 for k in range(4)]
+    with ThreadPoolExecutor(len(contents)) as pool:
+        for written in [pool.submit(write_whole_file, path, content) for _ in range(50) for content in contents]:
+            written.result()
+    assert path.read_bytes() in contents and list(tmp_path.iterdir()) == [path]

@@ -9,11 +9,12 @@ from typing import Any
 
 from comparison.campaign.cases import folder_name
 from comparison.campaign.report.verdict_matrix import verdict_symbol
-from comparison.campaign.row_values import Row, mechanism_name, runs_of, sweep_of, uncertainty_of
+from comparison.campaign.row_values import Row, least_tolerance, mechanism_name, runs_of, sweep_of, uncertainty_of
 from comparison.campaign.table import CampaignTable
 from comparison.judge import UNCERTAIN
 from comparison.report import flat
 from comparison.verdict import ANSWERS
+from la_core.exchange import LEAST_REACTION
 from la_core.text_table import exists
 
 SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
@@ -237,7 +238,7 @@ def _allowed(name: str, row: Row) -> float:
     uncertainty that a verdict allows.
     """
     value, weight = (_or_zero(row.get(key)) for key in (name, "weight"))
-    solver = SOLVER * (weight if row.get("unit") else abs(value))
+    solver = SOLVER * max(weight, least_tolerance(row) / LEAST_REACTION) if row.get("unit") else SOLVER * max(abs(value), 1.0)
     stated = row.get(uncertainty_of("coulomb" if name in OF_PREDICTION else name))
     if exists(stated):
         return solver + stated

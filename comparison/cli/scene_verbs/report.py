@@ -48,7 +48,7 @@ def execute(context: Context) -> int:
             comparisons: list[dict[str, Any]] = []
             for case in cases:
                 try:
-                    comparisons.append(report_again(case, narration))
+                    comparisons.append(report_again(case, narration) | {"scene": case.name})  # its folder may have been renamed
                 except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)
