@@ -89,6 +89,8 @@ class Record:
         Stored states.
     extra : dict
         First contact position (3,), m, by pair of blocks that the case does not list.
+    falling : float
+        Largest unbalanced force of the last row over the weight and the dead loads of its own block: 1 for a block in free fall.
     """
 
     case: Case
@@ -96,6 +98,7 @@ class Record:
     rows: list[Row] = field(default_factory=list)
     poses: list[Pose] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+    falling: float = 0.0
 
     _rest_along: float | None = None
     _cut: float | None = None
@@ -109,6 +112,7 @@ class Record:
         self._built = np.array([(turn[0], turn[1], turn[2], turn[3]) for turn in self.model.rotation])
         self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
         self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
+        self._burden = self._mass * float(np.linalg.norm(case.gravity)) + np.linalg.norm(case.applied_load[case.free, :3], axis=1)
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
         self._pushed_aside = np.flatnonzero(case.live_load[:, 3:].any(axis=1)).tolist()  # masses beside the centroid of their block
         if case.live is None:
@@ -129,6 +133,7 @@ class Record:
         _, spin, moved, _ = vectors
         squares = (vectors**2).sum(axis=2)
         speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
+        self.falling = float(np.sqrt((squares[3] / self._burden**2).max()))
         rotational = np.einsum("bi,bij,bj->", spin, self._inertia, spin)
         wrenches = self.support_wrenches()
         row = Row(

@@ -1,0 +1,44 @@
+"""Stones that are light beside the others: a run comes to rest only where each of them rests."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import comparison
+import la_core
+from la_core import exchange
+
+pytestmark = pytest.mark.yade
+
+
+def wall_with_a_cube(size: float, overhang: float) -> la_core.Scene:
+    """Nine blocks, and a cube on their end with a share of its width beyond it; it weighs down to a 500th of the mean block."""
+    wall = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": [0.6, 0.4, 0.3], "per_course": 3, "courses": 3}
+    wall["footing"] = {"height": 0.3, "settling": [1.2, 1.8]}
+    left = 1.8 - (1.0 - overhang) * size
+    cube = {"name": "cube", "box": {"from": [left, 0.1, 0.9], "to": [left + size, 0.1 + size, 0.9 + size]}}
+    joint = {"friction": 0.6, "inset": min(1e-3, 0.02 * size)}
+    tables = {"stone": {"density": 2000.0}, "joint": joint, "wall": [wall], "block": [cube], "settlement": {"direction": [0.0, 0.0, -1.0]}}
+    return la_core.build(tables, name=f"cube of {size}")
+
+
+@pytest.mark.parametrize("size", [pytest.param(0.1, marks=pytest.mark.slow), 0.06])
+def test_a_light_stone_that_tips_falls_in_both_methods(size: float, tmp_path: Path) -> None:
+    """Below 1 % of a mean block its unbalanced force passed for rest, and the verdict was *disagree*."""
+    found = comparison.run(wall_with_a_cube(size, 0.7), tmp_path, quiet=True)
+    assert found.verdict == "cannot stand", found.reason
+    assert found.yade is not None and found.yade.status == "collapsed"
+
+
+def test_a_light_stone_that_stands_keeps_no_run_from_rest(tmp_path: Path) -> None:
+    found = comparison.run(wall_with_a_cube(0.05, 0.0), tmp_path, quiet=True)
+    assert found.verdict == "agree", found.reason
+    assert found.yade is not None
+    at_rest = found.yade.poses.forces[0]
+    assembly = found.answer.analysis.assembly
+    (cube,) = np.flatnonzero(np.array(assembly.blocks.names) == "cube")
+    a, b = assembly.contact_blocks
+    on_cube = at_rest[b == cube].sum(axis=0) - at_rest[a == cube].sum(axis=0)
+    assert np.linalg.norm(on_cube + assembly.dead_load[cube, :3]) < 0.05 * assembly.blocks.mass[cube] * 9.81
+    assert found.yade.record.stage[0] == exchange.GRAVITY
