@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS, UNBALANCED, broken_rule
+from la_core.exchange import AT_STAKE, FREE, RADIUS_OVER_INSET, SETTING_DEFAULTS, TRAVEL_PERIODS, broken_rule
 from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
@@ -127,11 +127,7 @@ class _Chosen(dict[str, Any]):
 def _derived(case: Case, overrides: dict[str, float]) -> Settings:
     """Return the settings of a case with these overrides; raises CaseError for a value that does not suit the structure."""
     chosen = _Chosen(overrides)
-    chosen.set_default(damping_ratio=0.3, rattling=UNBALANCED, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, poses=POSES)
-    chosen.set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
-    # Of 163 random walls run again with joints four times stiffer at half the speed, 90 in 100 moved by 0.11 % at most.
-    chosen.set_default(settings_uncertainty=1e-3, threads=1, time_limit=3600.0)
-    chosen.set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
+    chosen.set_default(**SETTING_DEFAULTS)
     _choose_contacts(case, chosen)
     _choose_time_steps(case, chosen)
     _choose_motion(case, chosen)
@@ -147,7 +143,7 @@ def _choose_contacts(case: Case, chosen: _Chosen) -> None:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     keeps_stiffness = "normal_stiffness" in chosen.overrides or chosen["wedging"] > 0.0
     chosen.set_default(least_stiffening=1.0 if keeps_stiffness else STIFFENING)
-    chosen.set_default(stiffening=chosen["least_stiffening"], plateau_share=PLATEAU_SHARE, max_travel=case.travel)
+    chosen.set_default(stiffening=chosen["least_stiffening"], max_travel=case.travel)
     chosen.set_default(**{name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")})
     chosen.set_default(**_damping(case, chosen))
 
@@ -174,7 +170,6 @@ def _choose_motion(case: Case, chosen: _Chosen) -> None:
     chosen.set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
     # Joints stiffer than STIFFENING shorten the period, but the support does not move faster for it: the speed would matter more.
     unhurried = period * _root_of_stiffness(chosen, STIFFENING)
-    chosen.set_default(travel_periods=TRAVEL_PERIODS)
     chosen.set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * unhurried))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * unhurried)  # the periods that follow from a speed in the overrides
     # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the

@@ -10,6 +10,7 @@ from la_core.exchange.dem_settings import (
     PLATEAU_SHARE,
     POSES,
     RADIUS_OVER_INSET,
+    SETTING_DEFAULTS,
     SETTING_MEANINGS,
     SETTING_UNITS,
     SETTINGS,
@@ -21,6 +22,7 @@ from la_core.exchange.dem_settings import (
     UNCERTAIN,
     broken_rule,
     json_rules,
+    setting_default,
     setting_unit,
 )
 from la_core.exchange.fields import (
@@ -82,6 +84,7 @@ __all__ = [
     "RELEASE_FIELDS",
     "RUN_FIELDS",
     "SETTINGS",
+    "SETTING_DEFAULTS",
     "SETTING_MEANINGS",
     "SETTING_UNITS",
     "SETTLEMENT",
@@ -106,6 +109,7 @@ __all__ = [
     "present",
     "read",
     "schema_table",
+    "setting_default",
     "setting_unit",
     "solution_fields",
     "values_of",

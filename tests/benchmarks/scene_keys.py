@@ -4,7 +4,6 @@
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
-import ast
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -91,31 +90,20 @@ def table_of(headings: dict[str, str]) -> Callable[[str], str]:
 
 
 def yade_part() -> Iterator[str]:
-    """Settings of a run in YADE: name, unit, default and meaning from the comments in `yade_scripts/settings.py`."""
+    """Settings of a run in YADE: name, unit, default and meaning, which the comments in `yade_scripts/settings.py` say, too."""
     source = YADE_SETTINGS.read_text(encoding="utf-8")
     comments = dict(re.findall(r"^    (\w+): (?:float|int)  # (.+)$", source, re.MULTILINE))
     assert tuple(comments) == tuple(exchange.SETTINGS), "settings and their comments differ"
-    defaults = dict(fixed_defaults(source))
     rows = ["| key | unit | default | meaning |", "|---|---|---|---|"]
     for name, comment in comments.items():
         unit = exchange.SETTING_UNITS.get(name, "")
         assert comment.startswith(f"{unit}, " if unit else ""), f"{name}: its comment begins with another unit than {unit}"
         meaning = exchange.SETTING_MEANINGS[name]
         assert comment.removeprefix(unit).removeprefix(",").strip() == meaning, f"{name}: its comment has another meaning than the schema"
-        rows.append(f"| `{name}` | {unit} | {defaults.get(name, 'derived')} | {meaning} |")
+        rows.append(f"| `{name}` | {unit} | {exchange.setting_default(name)} | {meaning} |")
     source_of_defaults = "../../yade_scripts/README.md#settings-and-where-they-come-from"
     yield f"Settings of YADE in place of derived ones; [how they are derived]({source_of_defaults})."
     yield "\n".join(rows)
-
-
-def fixed_defaults(source: str) -> Iterator[tuple[str, str]]:
-    """Defaults that are one number for every case, from the calls that choose a setting."""
-    for node in ast.walk(ast.parse(source)):
-        for keyword in node.keywords if isinstance(node, ast.Call) else ():
-            if keyword.arg in exchange.SETTINGS and isinstance(keyword.value, ast.Constant):
-                yield keyword.arg, f"{keyword.value.value:g}"
-            elif keyword.arg in exchange.SETTINGS and isinstance(keyword.value, ast.Name):
-                yield keyword.arg, f"{getattr(exchange, keyword.value.id):g}"
 
 
 def with_part(page: str, name: str, part: str) -> str:

@@ -10,7 +10,7 @@ from conftest import Silent
 
 from comparison.cli.commands import main
 from comparison.workflow.one_scene import run_scene
-from la_core.exchange import SETTINGS, broken_rule
+from la_core.exchange import SETTING_DEFAULTS, SETTINGS, broken_rule
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
@@ -140,6 +140,17 @@ def test_the_settings_of_yade_are_a_table_like_any_other(capsys: pytest.CaptureF
     assert all(name in listed for name in SETTINGS) and "speed of the support (m/s or rad/s)" in " ".join(listed.split())
     assert main(["schema", "yad"]) == 2
     assert 'did you mean "yade"?' in capsys.readouterr().err
+
+
+def test_the_settings_of_yade_are_listed_with_the_defaults_that_a_run_has(capsys: pytest.CaptureFixture[str]) -> None:
+    """Those that are one number for every case; all others are derived from it."""
+    assert main(["schema", "yade"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    at = next(line.index("default") for line in lines if line.split()[:3] == ["key", "value", "default"])
+    listed = {line.split()[0]: line[at:].split()[0] for line in lines if line.split()[:1] and line.split()[0] in SETTINGS}
+    assert list(listed) == list(SETTINGS)
+    assert {name: float(default) for name, default in listed.items() if default != "derived"} == SETTING_DEFAULTS
+    assert (listed["poses"], listed["time_limit"], listed["stop_uncertainty"], listed["speed"]) == ("40", "3600", "0.002", "derived")
 
 
 def test_the_keys_of_one_table_are_listed_with_meaning_default_and_choices(capsys: pytest.CaptureFixture[str]) -> None:
