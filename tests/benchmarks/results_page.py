@@ -58,8 +58,9 @@ $ .venv/bin/python tests/benchmarks/results_page.py
 
 The columns:
 
-- *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: the
-  values that the predicted mechanism allows, whatever friction's history was.
+- *R_min*, *R_max*: bounds of associated limit analysis. Under a live load there is only an upper bound, in the column *R_max*.
+- *Coulomb*: the prediction for friction without dilatancy. *its interval*: the values that the predicted mechanism allows, whatever
+  friction's history was.
 - *its uncertainty*: the uncertainty of the prediction that limit analysis states before YADE runs. All values are for the scene's inset.
 - *YADE R/W*: the plateau with its uncertainty, the sum of its parts.
 - *iterations*: Newton iterations of all paths, or of the search for sliding joints. *LA s*: seconds of the solver for the whole limit
@@ -177,7 +178,7 @@ def _figures(entries: dict[str, Entry]) -> str:
         )
         if model["verdict"] == "agree" and max(model["uncertainty"] / model["yade"], model["stated"] / model["predicted"]) > UNCERTAIN:
             text += (
-                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the floor of the tolerance."
+                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the basic tolerance, 0.5 %."
             )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
