@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from contract_list import contract
 
+from comparison.report import stored_report
+
 TESTS = Path(__file__).parent
 BEFORE = json.loads((TESTS / "helpers" / "contract.json").read_text(encoding="utf-8"))
 JSON_PAGE = TESTS.parent / "comparison" / "json.md"
@@ -66,3 +68,8 @@ def test_every_key_of_the_json_is_on_its_page_and_no_other(today: dict[str, Any]
     rows = {row_of(key) for keys in (today["comparison.json"], *today["solve --json"].values()) for key in keys}
     values = {row for row in rows if not any(other.startswith(f"{row}.") for other in rows)}
     assert sorted(keys_on_the_page()) == sorted(row for row in values if not row.endswith("shared_inset"))  # which has the same keys again
+
+
+def test_every_key_beside_the_scenes_of_a_report_is_on_the_page_of_json_keys() -> None:
+    listed = re.findall(r"^- `(\w+)`:", JSON_PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(listed) == sorted(stored_report([], {}))

@@ -38,7 +38,7 @@ AFTER_KEYS = {
     "state": Column("", "done or failed"),
     "verdict": Column("", "agree, disagree, inconclusive, cannot stand; where YADE was not run, expected or unexpected; empty without one"),
     "reason": Column("", "reason for any other verdict than agree, or for the failure"),
-    "next_step": Column("", "what to do next; empty where both methods agree"),
+    "next_step": Column("", "what to do next; empty where both methods agree or nothing was compared"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
     "weight": Column("N", "weight W of the free blocks and of the loads on them", "number"),
     "least_tolerance": Column(

@@ -162,7 +162,9 @@ def _add_run(add: AddVerb) -> None:
         f"(default: {HARDER_SECONDS:g}, 15 minutes)"
     )
     run.add_argument("--try-harder-limit", type=seconds, metavar="S", help=most)
-    threads_help = "threads of YADE in each scene, for large structures; two runs then differ in their last digits (default: 1)"
+    threads_help = (
+        "threads of YADE in each scene, for structures of 1,000 blocks and more; two runs then differ in their last digits (default: 1)"
+    )
     run.add_argument("--threads", type=count, metavar="N", help=threads_help)
     run.add_argument("--workers", type=count, metavar="N", default=1, help="number of scenes that run side by side (default: 1)")
     run.add_argument("--long", action="store_true", help=LONG_HELP)
@@ -178,7 +180,8 @@ def _add_campaign(add: AddVerb) -> None:
         "-o", "--output", type=given_path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)"
     )
     where = campaign.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=count, metavar="N", help="number of processes on this machine (default: its cores)")
+    workers_help = "number of processes on this machine (default: as configured, else its cores)"
+    where.add_argument("--workers", type=count, metavar="N", help=workers_help)
     where.add_argument(
         "--scheduler", type=address, metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder"
     )
@@ -189,7 +192,10 @@ def _add_campaign(add: AddVerb) -> None:
 
 
 def _add_compare(add: AddVerb) -> None:
-    text = "compare two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; exit code 1 if they differ"
+    text = (
+        "compare two campaigns, before and after a change: cases, verdicts, reactions, mechanisms, weights, blocks, costs; exit code 1 if "
+        "any of these but the costs differ"
+    )
     compare = add("compare", text)
     compare.add_argument("before", metavar="DIR1", type=given_path, help="folder of `crosscheck campaign`, before the change")
     compare.add_argument("after", metavar="DIR2", type=given_path, help="folder of `crosscheck campaign`, after the change")
