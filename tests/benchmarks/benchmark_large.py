@@ -66,7 +66,7 @@ Blocks beyond the [reach](../glossary.md) of the support are left out where they
 blocks of the wall and 432 of the 1,496 bricks of the facade. The large facade ran before this rule, with all its bricks.
 
 YADE's settings for large structures were found on the plane ones, which therefore prove little about others. Where a method states more
-than 1 %, agreement means that the reactions lie within the basic tolerance, 0.5 %.
+than 1 %, agreement means that the reactions lie within the floor of the tolerance, 0.5 %.
 
 The run of the large facade takes an hour, most of it in YADE; no larger structure was tried."""
 RANDOM = """\

@@ -98,7 +98,10 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def _results_row(name: str, entry: Entry) -> list[str]:
     model = entry["reduced"]
     times = [f"{model['solves']}", *(number_text(model[f"{method}_seconds"], 2) for method in ("limit_analysis", "yade"))]
-    return [f"`{name}`", *(value_cell(model, key) for key in ("least", "predicted", "interval", "greatest")),
+    bounds = {key: value_cell(model, key) for key in ("least", "predicted", "interval", "greatest")}
+    if shipped.load(name).live is not None:  # the one associated value is then an upper bound
+        bounds |= {"least": number_text(None, 5), "greatest": bounds["least"]}
+    return [f"`{name}`", *bounds.values(),
             number_text(model["stated"], 2), yade_cell(model),
             model["verdict"], *times]  # fmt: skip
 
@@ -178,7 +181,7 @@ def _figures(entries: dict[str, Entry]) -> str:
         )
         if model["verdict"] == "agree" and max(model["uncertainty"] / model["yade"], model["stated"] / model["predicted"]) > UNCERTAIN:
             text += (
-                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the basic tolerance, 0.5 %."
+                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the floor of the tolerance."
             )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(

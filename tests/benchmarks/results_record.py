@@ -69,18 +69,17 @@ def with_limit_analysis(entry: dict[str, Any], name: str, folder: Path, listener
 def model_values(summary: dict[str, Any]) -> dict[str, Any]:
     """What `comparison.json` says of one model, at the inset that both methods share; `sharp` without inset.
 
-    The associated multiplier of a live load is an upper bound. seconds: of the solver in all of limit analysis, and of YADE's run.
+    seconds: of the solver in all of limit analysis, and of YADE's run.
     """
     associated, coulomb, yade = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["yade"] or {}
     live = "multiplier" in associated
     quantity, unit = ("multiplier", 1.0) if live else ("reaction", summary["weight"])
     bounds, predicted = associated.get("shared_inset", associated), coulomb.get("shared_inset", coulomb)
-    least, greatest = (None, bounds[quantity]) if live else (bounds[quantity], bounds.get("reaction_max"))
     return {
-        "least": over_weight(least, unit),
+        "least": over_weight(bounds[quantity], unit),
         "predicted": over_weight(predicted[quantity], unit),
         "interval": [over_weight(end, unit) for end in predicted[f"{quantity}_interval"]],
-        "greatest": over_weight(greatest, unit),
+        "greatest": over_weight(bounds.get("reaction_max"), unit),
         "stated": over_weight(coulomb["uncertainty"], unit),
         "plateaus": [over_weight(value, unit) for value in coulomb["plateaus"]],
         "sharp": over_weight(coulomb[f"{quantity}_sharp"], unit),

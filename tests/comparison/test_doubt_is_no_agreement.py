@@ -74,7 +74,7 @@ def test_a_value_that_is_hardly_known_agrees_with_nothing(wall: LimitAnalysis, m
     is_yade = method == "YADE"
     analysis, run = (wall, share * value) if is_yade else (stating(wall, share), 0.0)
     check = named(REACTION, judged(analysis, coulomb_run(wall, uncertainty=run)))
-    assert check.verdict is verdict and "agree within the basic tolerance alone" in check.reason
+    assert check.verdict is verdict and "agree within the floor of the tolerance alone" in check.reason
     assert (method in check.next_step or "YADE more slowly" in check.next_step) == (verdict is Verdict.INCONCLUSIVE)
 
 

@@ -137,7 +137,7 @@ def _unsure_check(results: Results, check: Check, unsure: list[Unsure], predicti
     """
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
-        alike = f"The {results.scene.quantity}s agree within the basic tolerance alone"
+        alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone"
         if all(one.share <= MOST_UNCERTAIN for one in unsure):
             return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}.")
         reason = f"{reason} {alike}, which decides up to an uncertainty of {percent(MOST_UNCERTAIN)}."
@@ -204,8 +204,7 @@ def _difference_words(results: Results, prediction: Prediction) -> str:
     distance = f"{format_number(apart, 4)} {scene.unit}".rstrip() + ("" if is_small else f" ({percent(apart / abs(prediction.value))})")
     allowed = f"{format_number(reaction_tolerance(results, prediction.stated), 4)} {scene.unit}".rstrip()
     note = "" if prediction.slides else ", although friction does almost no work"
-    both = f"both stated uncertainties and the basic tolerance are {allowed}"
-    return f"YADE differs from the prediction of limit analysis by {distance}{note}; {both}."
+    return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
 
 
 def _unsure_words(unsure: Unsure, unit: str) -> str:
