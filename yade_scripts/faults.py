@@ -1,4 +1,4 @@
-"""What can be wrong with a run: it is lost, because it is unstable, has fallen or is out of time; or its blocks rattle or do not rest.
+"""What can be wrong with a run: it is lost, because it is unstable, has fallen or is out of time; or its blocks rattle.
 
 Blocks that rattle have larger unbalanced forces than those of a quasi-static motion.
 """
@@ -12,7 +12,6 @@ from yade_scripts.case import Case
 from yade_scripts.recorder import Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings, rattling_of
 
-FALLING = 0.02  # of free fall: the judge holds a slower fall for one that a run may not show
 MANY = 100  # free blocks: among so many, slow motion prevents a jump better than critical dashpots do
 
 
@@ -36,12 +35,6 @@ def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Sta
     if time.monotonic() - began > settings.time_limit:
         return Status.TIMEOUT, f"the time limit was reached at {settlement_words(case, row.settlement)}"
     return None
-
-
-def rests(settings: Settings, record: Record, row: Row) -> bool:
-    """Return whether all blocks rest: none moves, and none falls, however light it is beside the others."""
-    is_balanced = row.unbalanced < settings.rest_unbalanced and record.falling < FALLING
-    return is_balanced and row.kinetic_energy < settings.rest_energy
 
 
 def jumps(case: Case, settings: Settings, record: Record) -> bool:

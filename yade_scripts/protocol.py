@@ -13,7 +13,7 @@ from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
-from yade_scripts.faults import is_restless, jumps, loss_of, rests, settlement_words
+from yade_scripts.faults import is_restless, jumps, loss_of, settlement_words
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import Record, Row, Status
@@ -233,7 +233,8 @@ class Protocol:
 
     def _watch_gravity(self, row: Row) -> None:
         loading = self._load(row.time - self._start_time)
-        self._at_rest = self._at_rest + 1 if not loading and rests(self.settings, self.record, row) else 0
+        rests = not loading and row.unbalanced < self.settings.rest_unbalanced and row.kinetic_energy < self.settings.rest_energy
+        self._at_rest = self._at_rest + 1 if rests else 0
         self.progress("gravity", Omega().iter, 0.0, row.reaction)
         if self._at_rest >= ROWS_AT_REST:
             self._pause()

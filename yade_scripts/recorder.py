@@ -8,11 +8,15 @@ from itertools import chain
 import numpy as np
 from yade import Omega
 
-from la_core.exchange import SETTLEMENT
+from la_core.exchange import GRAVITY, SETTLEMENT
 from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
 from yade_scripts.driving import pushed_of
 from yade_scripts.plateau import Pose
+
+# A block this many times as light as the mean one rests by its own weight: with an unbalanced force at which a mean block rests, a
+# thousandth of its weight, it may fall at more than 2 % of free fall, which the judge expects a run to show.
+LIGHT = 20.0
 
 
 class Status(Enum):
@@ -46,7 +50,8 @@ class Row:
     damped_energy : float
         Energy that the damping of the blocks' swing has taken so far, J.
     unbalanced : float
-        Largest unbalanced force over the mean block weight.
+        Largest unbalanced force over the mean block weight; before the settlement, that of a block of less than a LIGHT-th of it counts
+        over LIGHT times its own weight.
     speed : float
         Speed of the fastest free block, m/s.
     weight_work : float
@@ -89,8 +94,6 @@ class Record:
         Stored states.
     extra : dict
         First contact position (3,), m, by pair of blocks that the case does not list.
-    falling : float
-        Largest unbalanced force of the last row over the weight and the dead loads of its own block: 1 for a block in free fall.
     """
 
     case: Case
@@ -98,7 +101,6 @@ class Record:
     rows: list[Row] = field(default_factory=list)
     poses: list[Pose] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
-    falling: float = 0.0
 
     _rest_along: float | None = None
     _cut: float | None = None
@@ -112,7 +114,8 @@ class Record:
         self._built = np.array([(turn[0], turn[1], turn[2], turn[3]) for turn in self.model.rotation])
         self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
         self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
-        self._burden = self._mass * float(np.linalg.norm(case.gravity)) + np.linalg.norm(case.applied_load[case.free, :3], axis=1)
+        own = self._mass * float(np.linalg.norm(case.gravity)) + np.linalg.norm(case.applied_load[case.free, :3], axis=1)
+        self._weight_at_rest = np.minimum(case.block_weight, LIGHT * own)
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
         self._pushed_aside = np.flatnonzero(case.live_load[:, 3:].any(axis=1)).tolist()  # masses beside the centroid of their block
         if case.live is None:
@@ -132,8 +135,8 @@ class Record:
         vectors[3] += self._inert_mass[:, None] * _array([self.model.integrator.gravity])
         _, spin, moved, _ = vectors
         squares = (vectors**2).sum(axis=2)
+        squares[3] /= (self._weight_at_rest if stage == GRAVITY else case.block_weight) ** 2
         speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
-        self.falling = float(np.sqrt((squares[3] / self._burden**2).max()))
         rotational = np.einsum("bi,bij,bj->", spin, self._inertia, spin)
         wrenches = self.support_wrenches()
         row = Row(
@@ -144,7 +147,7 @@ class Record:
             support_wrench=wrenches.sum(axis=0),
             kinetic_energy=0.5 * float(self._inert_mass @ squares[0] + rotational),
             damped_energy=damped_energy,
-            unbalanced=unbalanced / case.block_weight,
+            unbalanced=unbalanced,
             speed=speed,
             weight_work=float(self._mass @ (moved @ case.gravity)) + self._work_of_loads(moved),
             displacement=displacement,

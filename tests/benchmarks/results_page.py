@@ -99,7 +99,7 @@ def _results_row(name: str, entry: Entry) -> list[str]:
     model = entry["reduced"]
     times = [f"{model['solves']}", *(number_text(model[f"{method}_seconds"], 2) for method in ("limit_analysis", "yade"))]
     bounds = {key: value_cell(model, key) for key in ("least", "predicted", "interval", "greatest")}
-    if shipped.load(name).live is not None:  # the one associated value is then an upper bound
+    if name in shipped.names() and shipped.load(name).live is not None:  # the one associated value is then an upper bound
         bounds |= {"least": number_text(None, 5), "greatest": bounds["least"]}
     return [f"`{name}`", *bounds.values(),
             number_text(model["stated"], 2), yade_cell(model),
