@@ -7,10 +7,11 @@ from comparison.figures.drawing_order import OuterFaces
 from comparison.figures.motion import Motion, Motions, motions, shown_answer
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import report_figures, scene_figures
-from comparison.figures.save import own_style, rendered, save
+from comparison.figures.save import DPI, own_style, rendered, save
 from comparison.figures.structure import ROLE_NAME, assembly_figure, push_name
 
 __all__ = [
+    "DPI",
     "FAINT",
     "INK",
     "LIMIT_ANALYSIS",

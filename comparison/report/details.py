@@ -202,7 +202,7 @@ def moving_joints(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     motions = (("opening", f"mm/{per}"), ("slip", f"mm/{per}"), ("rotation", f"mrad/{per}"))
     numbers = (*motions, ("normal force", force), ("shear", force), ("friction used", ""), ("eccentricity", ""))
     headings = [("joint", "", ""), ("state", "", ""), *((*name, "number") for name in numbers)]
-    headings.append(("centre of pressure", f"({', '.join(axes)})", ""))
+    headings.append(("centre of pressure", f"({', '.join(axes)})", "place"))
     rest = found["count"] - len(rows)
     more = f"{plural(rest, 'more joint')} {'moves' if rest == 1 else 'move'} no farther. " if rest else ""
     return {"headings": headings, "rows": [list(texts(row)) for row in rows], "note": more + JOINTS_NOTE + _tilt_note(facts)}

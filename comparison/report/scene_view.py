@@ -20,7 +20,7 @@ from comparison.numbers import (
 from comparison.report.details import accuracy_rows, costs, energy_view, measures, moving_joints, reactions
 from comparison.report.inputs import input_rows, key_rows, scene_file, setting_rows
 from comparison.report.plain_words import notes_of, plain_words
-from comparison.report.templating import flat, image_address
+from comparison.report.templating import flat, image_address, paper_width
 from comparison.report.values import associated_of, expected_rows, range_end, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
@@ -197,13 +197,14 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
         if (comparison.get("structure") or {}).get("has_thrust_line")
         else "",
     }
-    shown = {name: figure for name, figure in FIGURES.items() if not (_is_falling_alone(comparison) and name in OF_FORCES)}
-    for name, (heading, caption) in shown.items():
+    drawn = {name: figure for name, figure in FIGURES.items() if not (_is_falling_alone(comparison) and name in OF_FORCES)}
+    for name, (heading, caption) in drawn.items():
         kind = "gif" if name == "animation" else "png"
         path = folder / f"{name}.{kind}"
         if path.is_file():
-            data, caption_text = image_address(path.read_bytes(), kind), caption.format(**words)
-            yield {"name": name, "heading": heading, "caption": caption_text, "path": f"{quote(scene)}/{path.name}", "data": data}
+            image, address = path.read_bytes(), f"{quote(scene)}/{path.name}"
+            shown = {"data": image_address(image, kind), "width": f"{paper_width(image):.0f}mm"}
+            yield {"name": name, "heading": heading, "caption": caption.format(**words), "path": address} | shown
 
 
 def _is_falling_alone(comparison: dict[str, Any]) -> bool:

@@ -1,6 +1,8 @@
 """The report in a real browser: nothing runs over the edge of a phone, every text has contrast, in light and in dark, and it prints."""
 
+import re
 import shutil
+import zlib
 from collections.abc import Callable, Iterator
 from itertools import product
 from pathlib import Path
@@ -13,6 +15,7 @@ from conftest import CrossChecked
 from comparison.cli.commands import main
 from comparison.report.pdf import write_pdf
 from comparison.report.report import write_report
+from la_core.scene.shipped import find
 
 pytestmark = [
     pytest.mark.browser,
@@ -50,6 +53,43 @@ WIDE += "e.getBoundingClientRect().right > innerWidth + 1).map((e) => `${e.tagNa
 FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"  # the view follows its window
 OPENED = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
 
+PAPER = 695  # pixels, 184 mm: an A4 page within its margins; what is wider is printed smaller, and all text with it
+ORDINARY = 16  # letters of a word that stays whole, such as "interpenetration"
+# Words of at most ORDINARY letters that a line breaks inside; a path or a name in one long word may break.
+BROKEN = """(() => {
+  const broken = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), range = document.createRange();
+  let seen = 0;
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const element = node.parentElement;
+    if (!element.checkVisibility() || element.closest('script, style, pre')) continue;
+    for (const word of node.data.matchAll(/[^\\s-]+/g)) {
+      if (word[0].length > ORDINARY) continue;
+      seen += 1;
+      range.setStart(node, word.index);
+      range.setEnd(node, word.index + word[0].length);
+      if (new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1) broken.push(word[0]);
+    }
+  }
+  return { seen, broken };
+})()""".replace("ORDINARY", str(ORDINARY))
+TALL = """
+title = "Tall wall on a table that is tilted"
+[stone]
+density = 2000.0
+[joint]
+friction = 0.6
+[[wall]]
+bond = "running"
+origin = [0.0, 0.0, 0.0]
+block = [0.12, 0.06, 0.06]
+per_course = 3
+courses = 10
+footing = { height = 0.03 }
+[tilt]
+axis = [0.0, 1.0, 0.0]
+"""
+LONG = "pier_of_the_eastern_door_in_the_second_storey_below_the_lintel"
+
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory, cross_checked: Callable[[str], CrossChecked]) -> Path:
@@ -67,6 +107,18 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("campaign")
     (folder / "friction.toml").write_text(QUICK, encoding="utf-8")
     assert main(["campaign", str(folder / "friction.toml"), "-o", str(folder / "out"), "-q", "--workers", "1"]) == 0
+    return folder / "out" / "report.html"
+
+
+@pytest.fixture(scope="module")
+def drives(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A report of a live load, a tilt, and a settlement under blocks with long names, by limit analysis alone."""
+    folder = tmp_path_factory.mktemp("drives")
+    named = find("two_pads").read_text(encoding="utf-8").replace('"settling pad"', f'"{LONG}"').replace('"fixed pad"', f'"{LONG}_2"')
+    (folder / "long_names.toml").write_text(named, encoding="utf-8")
+    (folder / "tall.toml").write_text(TALL, encoding="utf-8")
+    scenes = ["ferris_tin_loi_1", str(folder / "tall.toml"), str(folder / "long_names.toml")]
+    assert main(["run", *scenes, "--no-yade", "-o", str(folder / "out"), "-q"]) == 0
     return folder / "out" / "report.html"
 
 
@@ -152,3 +204,66 @@ def test_the_report_prints_to_a4_without_half_empty_pages(report: Path, browser:
     pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ") + pdf.count(b"/Type /Page/") + pdf.count(b"/Type /Page>")
     assert pdf.startswith(b"%PDF") and b"/MediaBox [0 0 594.95" in pdf
     assert 4 <= pages <= 14  # two scenes; each has five figures, its inputs, its scene file and its tables
+
+
+PAGES = ["report", "drives", "campaign"]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_nothing_is_wider_than_a_sheet_of_a4(page: str, browser: Browser, request: pytest.FixtureRequest) -> None:
+    """Chromium prints a page that is too wide smaller as a whole, its text of 8.5 pt, too."""
+    browser.send("Emulation.setDeviceMetricsOverride", width=PAPER, height=900, deviceScaleFactor=1, mobile=False)
+    browser.send("Emulation.setEmulatedMedia", media="print")
+    try:
+        browser.open(request.getfixturevalue(page))
+        browser.wait(f"innerWidth === {PAPER} && matchMedia('print').matches")
+        assert browser.value("document.documentElement.scrollWidth") <= PAPER
+        assert browser.value(WIDE.replace("'.wide, .picture, pre'", "'script'")) == []
+        found = browser.value(BROKEN)
+        assert found["broken"] == [] and found["seen"] > 300
+    finally:
+        browser.send("Emulation.setEmulatedMedia", media="")
+        browser.send("Emulation.clearDeviceMetricsOverride")
+
+
+def test_a_parameter_of_many_values_fits_a_sheet_of_a4(browser: Browser, campaign: Path) -> None:
+    """One row for each scene, one column for each value: the table of verdicts gets 30 columns more."""
+    browser.send("Emulation.setDeviceMetricsOverride", width=PAPER, height=900, deviceScaleFactor=1, mobile=False)
+    browser.send("Emulation.setEmulatedMedia", media="print")
+    try:
+        browser.open(campaign)
+        more = "for (let k = 0; k < 30; k++) row.append(row.lastElementChild.cloneNode(true))"
+        browser.value(f"for (const row of document.querySelectorAll('.matrix tr:not(:has(th[colspan]))')) {{ {more} }}")
+        assert browser.value("document.querySelector('.matrix tbody tr').cells.length") > 30
+        assert browser.value("document.documentElement.scrollWidth") <= PAPER
+    finally:
+        browser.send("Emulation.setEmulatedMedia", media="")
+        browser.send("Emulation.clearDeviceMetricsOverride")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_text_is_printed_in_the_size_that_the_page_declares(page: str, request: pytest.FixtureRequest) -> None:
+    """In a PDF a pixel is 3.125 units of 0.24 pt, and the text of tables, 8.5 pt, is 11.33 pixels high."""
+    pdf, scales, sizes = write_pdf(request.getfixturevalue(page)).read_bytes(), set(), set()
+    for packed in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL):
+        try:
+            drawn = zlib.decompress(packed)
+        except zlib.error:
+            continue  # no stream of this kind
+        scales |= {float(found) for found in re.findall(rb"^([\d.]+) 0 0 \1 [1-9][\d.]* [1-9][\d.]* cm$", drawn, re.MULTILINE)}
+        sizes |= {round(float(size), 2) for size in re.findall(rb"/F\d+ ([\d.]+) Tf", drawn)}
+    assert scales == {3.125}
+    assert 11.33 in sizes and min(sizes) == 10.0
+
+
+@pytest.mark.parametrize("width", [1400, 1200, 1000])
+def test_words_of_ordinary_length_stay_whole_on_a_screen(width: int, browser: Browser, report: Path, drives: Path) -> None:
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+    try:
+        for page in (report, drives):
+            browser.open(page)
+            browser.value(OPENED)
+            found = browser.value(BROKEN)
+            assert found["broken"] == [] and found["seen"] > 300, page
+    finally:
+        browser.send("Emulation.clearDeviceMetricsOverride")

@@ -10,6 +10,7 @@ import pytest
 from made_up_comparisons import HOSTILE, comparison_of, frictional_comparison, page_and_markdown, values_part
 
 from comparison.report import report
+from comparison.report.templating import paper_width
 
 PUSHED = {"associated": {"status": "solved", "multiplier": 0.5}, "coulomb": None}
 FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["block"]}, "coulomb": None}
@@ -89,6 +90,16 @@ def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
     assert "–" in row
     assert not re.search(r">\s*0", row)
     assert "Nothing was compared" in page
+
+
+def test_two_figures_of_the_usual_height_share_a_sheet_of_paper_and_a_tall_one_is_larger() -> None:
+    usual, tall, animated = (picture(1105, 866), picture(1105, 1115), b"GIF89a")
+    assert [round(paper_width(image)) for image in (usual, tall, animated)] == [151, 173, 0]  # mm; drawn 216 mm wide
+
+
+def picture(width: int, height: int) -> bytes:
+    """A PNG file as far as its size."""
+    return b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + width.to_bytes(4, "big") + height.to_bytes(4, "big")
 
 
 def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
