@@ -4,9 +4,10 @@ import errno
 import fcntl
 import os
 import re
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from comparison.errors import FolderInUseError
 from la_core.errors import SceneError, path_of
@@ -58,6 +59,11 @@ def is_second_attempt(scene: Scene) -> bool:
     The effort alone does not: it is a key that any scene may set.
     """
     return scene.effort == "high" and scene.name.endswith(SECOND_ATTEMPT)
+
+
+def name_in_results(comparison: Mapping[str, Any]) -> str:
+    """Return the name of the folder that holds a comparison and its figures: that of the scene, unless the folder was renamed."""
+    return str(comparison.get("folder") or comparison.get("scene"))
 
 
 def folder_of_results(folder: Path | str) -> Path:

@@ -50,8 +50,8 @@ class Row:
     damped_energy : float
         Energy that the damping of the blocks' swing has taken so far, J.
     unbalanced : float
-        Largest unbalanced force over the mean block weight; before the settlement, that of a block of less than a LIGHT-th of it counts
-        over LIGHT times its own weight.
+        Largest unbalanced force over the mean block weight. Before the settlement the force of a light block counts over LIGHT times its
+        own weight and loads, where this is less.
     speed : float
         Speed of the fastest free block, m/s.
     weight_work : float

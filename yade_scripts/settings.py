@@ -59,7 +59,7 @@ class Settings:
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
     gravity_ramp: float  # s, duration of the cosine ramp of weights and dead loads
     gravity_time: float  # s, longest time to come to rest
-    rest_unbalanced: float  # unbalanced force over the mean block weight that counts as rest
+    rest_unbalanced: float  # unbalanced force that counts as rest, over the mean block weight; of a light block over 20 times its own
     rest_energy: float  # J, kinetic energy that counts as rest
     fall_speed: float  # m/s, speed beyond which a free block counts as falling
     record_rows: int  # rows of the record over the full travel

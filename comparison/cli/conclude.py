@@ -13,7 +13,7 @@ from comparison.judge import refuses_setting
 from comparison.numbers import plural
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, notes_of, stored_report, write_pdf, write_report
-from comparison.run_folder import HEAD
+from comparison.run_folder import HEAD, name_in_results
 from comparison.verdict import UNCONFIRMED, Verdict
 
 
@@ -56,7 +56,7 @@ def conclude(
         if failure:
             codes.append(complain_of(failure))
         if written:
-            _tell_of_others(folder, {comparison["scene"] for comparison in comparisons}.union(unread), context)
+            _tell_of_others(folder, set(map(name_in_results, comparisons)).union(unread), context)
         deciding = (comparison for comparison in comparisons if comparison["scene"] not in again)  # the second attempt decides
         codes += [code_of_comparison(comparison) for comparison in deciding]
     if as_json:
@@ -75,15 +75,15 @@ def _print_verdicts(comparisons: list[dict[str, Any]], again: set[str], context:
     """Print the tables of one report, and what is said of its scenes. again: names of scenes that a second attempt follows."""
     for comparison in comparisons:
         if comparison["verdict"] == Verdict.CANNOT_STAND:
-            context.tell(f"{comparison['scene']} cannot stand. {comparison['reason']}")
+            context.tell(f"{name_in_results(comparison)} cannot stand. {comparison['reason']}")
     context.table(tables.verdict_table(comparisons), tables.VERDICT_CAN_GO)
     if any(comparison.get("accuracy") for comparison in comparisons):
         context.table(tables.accuracy_table(comparisons))
     for comparison in comparisons:
         if first := comparison.get("first_prediction"):
-            context.tell(f"{comparison['scene']}: {first['sentence']}")
+            context.tell(f"{name_in_results(comparison)}: {first['sentence']}")
         for words in lines_below(comparison, comparison["scene"] in again):
-            context.tell(f"{comparison['scene']}: {words}")
+            context.tell(f"{name_in_results(comparison)}: {words}")
 
 
 def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context) -> dict[str, str]:

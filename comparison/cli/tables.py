@@ -7,6 +7,7 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.numbers import percent
+from comparison.run_folder import name_in_results
 from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, new_table, plain, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
@@ -132,10 +133,10 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     Names of scenes are never broken.
     """
     table = new_table(*VERDICT_HEADINGS, title=verdict_title({comparison["unit"] for comparison in comparisons}))
-    _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
+    _keep_names_whole(table, [name_in_results(comparison) for comparison in comparisons])
     for comparison in comparisons:
-        scene, *values, verdict, limit_seconds, yade_seconds = verdict_cells(comparison)
-        table.add_row(plain(scene), *values, coloured(verdict, comparison["verdict"]), limit_seconds, yade_seconds)
+        _, *values, verdict, limit_seconds, yade_seconds = verdict_cells(comparison)
+        table.add_row(plain(name_in_results(comparison)), *values, coloured(verdict, comparison["verdict"]), limit_seconds, yade_seconds)
     return table
 
 
@@ -155,5 +156,5 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
             error = f"{coloured(*('✓', 'agree') if answer['kept'] else ('?', 'inconclusive'))} {percent(answer['error'])}"
             cost = [str(len(answer["attempts"])), number_text(answer["seconds"], 2)]
             cells = [percent(accuracy["asked"]), error, answer["chosen"], *cost]
-            table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *cells)
+            table.add_row(plain(name_in_results(comparison)), ACCURACY_METHODS[method], *cells)
     return table

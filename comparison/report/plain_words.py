@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import A_POINT, Units, format_number, several_plateaus, with_uncertainty
-from comparison.report.values import associated_of, rounding_change, rounding_words, values_of
+from comparison.numbers import A_POINT, DASH, Units, format_number, several_plateaus, with_uncertainty
+from comparison.report.values import NOT_STATED, UNLIMITED, associated_of, rounding_change, rounding_words, values_of
 from comparison.verdict import Verdict
 from la_core.text_table import PLACES, coordinate_text, exists, without_round_off
 
@@ -91,16 +91,20 @@ def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
 
 
 def _how_well_known(comparison: dict[str, Any], units: Units) -> Iterator[str]:
-    """Yield the uncertainties that the methods state, and the range that friction's history leaves open where joints slide."""
+    """Yield the uncertainties that the methods state, but for angles, which have theirs, and what friction's history leaves open."""
     r = values_of(comparison, units)
+    quantity = "multiplier" if r["live"] else "moment" if comparison.get("unit") == "N m" else "reaction"
     unit = f" {r['unit']}" if r["unit"] else ""
-    values = {"limit analysis": (r["coulomb"], r["coulomb_uncertainty"]), "YADE": (r["yade"], r["uncertainty"])}
-    stated = {name: words for name, pair in values.items() if "±" in (words := with_uncertainty(*pair))}
-    if stated:
-        yield f"With the uncertainty that each method states: {', '.join(f'{name} {words}{unit}' for name, words in stated.items())}."
-    if exists(r["half_width"]) and r["interval"] != A_POINT:
-        most = f", and any mechanism {r['bounds']}{unit}" if exists(r["least"]) else ""
-        yield f"With another history of friction the same mechanism allows {r['interval']}{most}."
+    values = {"by limit analysis": (r["coulomb"], r["coulomb_uncertainty"]), "in YADE": (r["yade"], r["uncertainty"])}
+    stated = [f"{words}{unit} {method}" for method, pair in values.items() if "±" in (words := with_uncertainty(*pair))]
+    if stated and not r["angles"]:
+        yield f"With the uncertainty that each method states, the {quantity} is {' and '.join(stated)}."
+    history = {NOT_STATED: f"How far another history of friction changes the {quantity} is unknown.", A_POINT: "", DASH: ""}
+    if words := history.get(r["interval"], f"With another history of friction the same mechanism allows a {quantity} of {r['interval']}."):
+        yield words.replace(f"a {quantity} of {UNLIMITED}", f"every {quantity}")
+        if exists(r["least"]):
+            outside = f"outside {r['bounds']}" if exists(r["greatest"]) else f"below {format_number(r['least'], 5)}"
+            yield f"No state in balance on these contact points has a {quantity} {outside}{unit}."
 
 
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:

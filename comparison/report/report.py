@@ -11,10 +11,10 @@ from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
-from comparison.run_folder import HEAD, read_text, write_text
+from comparison.run_folder import HEAD, name_in_results, read_text, write_text
 from comparison.verdict import VERDICTS
 from la_core.errors import visible
-from la_core.exchange import TIME, made_by
+from la_core.exchange import MADE_AT, made_by
 from la_core.text_table import exists
 
 LIMITATIONS = (
@@ -117,8 +117,8 @@ def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[st
 
 def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
     """Return the day, where it was made, of the latest result that a method stored, as an ISO date; "" where no result says it."""
-    paths = [folder / str(comparison.get("scene")) / name for comparison in comparisons for name in ("case.h5", "run.h5")]
-    moments = [datetime.datetime.fromisoformat(time) for path in paths if (time := made_by(path).get(TIME))]
+    paths = [folder / name_in_results(comparison) / name for comparison in comparisons for name in ("case.h5", "run.h5")]
+    moments = [datetime.datetime.fromisoformat(made[MADE_AT]) for path in paths if MADE_AT in (made := made_by(path))]
     return max(moments).date().isoformat() if moments else ""
 
 

@@ -23,6 +23,7 @@ from comparison.report.plain_words import notes_of, plain_words
 from comparison.report.templating import flat, image_address, paper_width
 from comparison.report.values import associated_of, expected_rows, range_end, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
+from comparison.run_folder import name_in_results
 from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
@@ -67,7 +68,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
     units : Units
         Units of the report.
     """
-    scene = str(comparison.get("scene"))
+    scene = name_in_results(comparison)
     symbol, word = VERDICTS.get(comparison.get("verdict"), VERDICTS[None])
     results = values_of(comparison, units)
     checks = [_check_view(check, units) for check in comparison.get("checks") or []]

@@ -30,6 +30,7 @@ MEANINGS = {  # what the values are, by their unit
     f"these contact points lies above the associated one; {_STONE}",
 }
 NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `stated_interval` withholds one
+UNLIMITED = "unlimited"
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 
 
@@ -50,7 +51,7 @@ def _interval_text(predicted: Any, low: Any, high: Any, unit: str, status: Any) 
     """Return an interval, or why it is unknown; without a prediction nothing has one. Files of earlier versions have no status."""
     if exists(low) or exists(high) or not exists(predicted):
         return interval_words(low, high, unit)
-    return {"not stated": NOT_STATED, "unlimited": "unlimited"}.get(status, DASH)
+    return {"not stated": NOT_STATED, "unlimited": UNLIMITED}.get(status, DASH)
 
 
 class _Answers:

@@ -24,13 +24,7 @@ from comparison.limit_analysis import Listener, first_prediction, limit_analysis
 from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, read_text, write_text
 from comparison.verdict import VERDICTS, Check, Verdict
 from comparison.workflow import restored_effects
-from comparison.workflow.stages import (
-    COMPARISON_CODE,
-    run_inputs,
-    stage_digest,
-    store_changed,
-    yade_stage,
-)
+from comparison.workflow.stages import COMPARISON_CODE, run_inputs, stage_digest, store_changed, yade_stage
 from comparison.yade import Results, accuracy_settings, read_results
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
@@ -136,10 +130,17 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         notes = [note for note in previous.get("notes") or [] if note != LIVE_WITHOUT_YADE] or _notes(results.analysis)
         outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
         summary = _compare(outcome, folder, listener, None)
-    if previous.get("verdict", summary["verdict"]) != summary["verdict"]:
-        now, before = (VERDICTS[judged["verdict"]][1] for judged in (summary, previous))
+    if previous.get("verdict", summary["verdict"]) != summary["verdict"] and _values(previous) == _values(summary):
+        now, before = (VERDICTS[one["verdict"]][1] for one in (summary, previous))
         listener.stage(results.scene.name, "comparison", f"{now}; the same results were judged before: {before}")
     return summary
+
+
+def _values(summary: Mapping[str, Any]) -> list[Any]:
+    """Return both methods' values in a comparison, and how they ended: comparisons of the same results have the same."""
+    answers = summary.get("limit_analysis") or {}
+    parts = (answers.get("associated"), answers.get("coulomb"), summary.get("yade"))
+    return [(part or {}).get(name) for part in parts for name in ("status", "reaction", "multiplier", "steps")]
 
 
 def would_run_slower(folder: Path, time_limit: float | None) -> bool:
@@ -262,7 +263,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 def _made_by(folder: Path, previous: Mapping[str, Any]) -> dict[str, str]:
     """Return versions and machine of the limit analysis in a folder; empty where neither its file nor the earlier comparison says it."""
     stored = exchange.made_by(folder / "case.h5")
-    return {name: words for name, words in stored.items() if name != exchange.TIME} or previous.get("provenance") or {}
+    return {name: words for name, words in stored.items() if name != exchange.MADE_AT} or previous.get("provenance") or {}
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:

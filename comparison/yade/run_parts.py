@@ -124,7 +124,7 @@ class RunSeries(_Series):
     kinetic_energy : np.ndarray
         Kinetic energy of the free blocks (T,), J.
     unbalanced : np.ndarray
-        Largest unbalanced force over the mean block weight (T,).
+        Largest unbalanced force over the mean block weight (T,); before the settlement over 20 times that of the block itself where less.
     damped_energy : np.ndarray
         Energy that the damping of the blocks' swing has taken so far (T,), J; empty in runs of version 0.2.0.
     """

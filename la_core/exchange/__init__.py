@@ -53,7 +53,7 @@ from la_core.exchange.fields import (
     schema_table,
     solution_fields,
 )
-from la_core.exchange.hdf5 import TIME, holds, inputs_digest, made_by, present, read, values_of, write
+from la_core.exchange.hdf5 import MADE_AT, holds, inputs_digest, made_by, present, read, values_of, write
 
 __all__ = [
     "ASK_OWNER",
@@ -74,6 +74,7 @@ __all__ = [
     "LIVE_DIRECTION",
     "LOAD_FIELDS",
     "LONG_RUN_SETTINGS",
+    "MADE_AT",
     "OWN_FIELDS",
     "PART_FIELDS",
     "PATH_FIELDS",
@@ -93,7 +94,6 @@ __all__ = [
     "SUPPORT",
     "SUPPORT_TWISTS",
     "SWAY",
-    "TIME",
     "TRAVEL_OVER_INSET",
     "TRAVEL_PERIODS",
     "UNBALANCED",

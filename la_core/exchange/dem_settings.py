@@ -35,7 +35,7 @@ SETTING_MEANINGS = {
     "gravity_damping": "coefficient of YADE's local damping while the structure comes to rest",
     "gravity_ramp": "duration of the cosine ramp of weights and dead loads",
     "gravity_time": "longest time to come to rest",
-    "rest_unbalanced": "unbalanced force over the mean block weight that counts as rest",
+    "rest_unbalanced": "unbalanced force that counts as rest, over the mean block weight; of a light block over 20 times its own",
     "rest_energy": "kinetic energy that counts as rest",
     "fall_speed": "speed beyond which a free block counts as falling",
     "record_rows": "rows of the record over the full travel",
@@ -59,7 +59,8 @@ SETTING_MEANINGS = {
     "swing_damping": "damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none",
 }
 SETTINGS = tuple(SETTING_MEANINGS)
-# Defaults of those that are one number for every case; `yade_scripts.settings` derives the others from the case.
+# Defaults of those that are one number unless the structure is large or limit analysis asks for more; `yade_scripts.settings` derives the
+# others from the case.
 # Of 163 random walls run again with joints four times stiffer at half the speed, 90 in 100 moved by 0.11 % at most: hence
 # `settings_uncertainty`.
 SETTING_DEFAULTS = {

@@ -271,7 +271,7 @@ RUN_FIELDS = (
         "f8",
         ("T",),
         "-",
-        "largest unbalanced force over the mean free-block weight, at stage 0 over at most 20 own ones",
+        "largest unbalanced force over the mean free-block weight; at stage 0 over 20 times the own, where less",
     ),
     Field("poses/settlement", "f8", ("P",), "m or rad", "support motion of each stored state; the first is rest under gravity"),
     Field("poses/displacement", "f8", ("P", "B", 3), "m", "displacement of the centroid from the case's geometry"),

@@ -14,7 +14,7 @@ import numpy as np
 from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, read_sealed, write_sealed
 from la_core.exchange.fields import Field
 
-TIME = "time"  # in `made_by`
+MADE_AT = "time"  # in `made_by`
 _TEXT, _SCALAR = h5py.h5t.py_create(h5py.string_dtype(), logical=True), h5py.h5s.create(h5py.h5s.SCALAR)  # of labels
 
 
@@ -47,7 +47,7 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
         file.attrs["version"] = VERSION
         file.attrs["inputs"] = np.bytes_(inputs.encode())
         time = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-        file.attrs["made_by"] = np.bytes_(json.dumps({**(made_by or {}), TIME: time}).encode())
+        file.attrs["made_by"] = np.bytes_(json.dumps({**(made_by or {}), MADE_AT: time}).encode())
         groups: dict[str, Any] = {}
         for field in fields:
             place, _, name = field.path.rpartition("/")
@@ -83,16 +83,18 @@ def inputs_digest(path: Path) -> str:
 
 
 def made_by(path: Path) -> dict[str, str]:
-    """Versions and machine that made `path`, and under TIME when, local time in ISO 8601; empty where no such file says it.
+    """Versions and machine that made `path`, and the time, under MADE_AT; empty where no such file says it.
 
-    The times of the file system are not asked: a copy has others.
+    The time is that of the place, with its zone, in ISO 8601. The times of the file system are not asked: a copy has others.
     """
     try:
         with _opened(path) as file:
             stored = json.loads(bytes(file.attrs["made_by"]).decode()) if "made_by" in file.attrs else {}
-    except (ExchangeError, ValueError):
+            made = {str(name): str(value) for name, value in stored.items()}
+            has_zone = MADE_AT not in made or datetime.datetime.fromisoformat(made[MADE_AT]).tzinfo is not None
+    except ExchangeError:  # also a record of another form
         return {}
-    return {str(name): str(value) for name, value in stored.items()} if isinstance(stored, dict) else {}
+    return made if has_zone else {}
 
 
 def holds(path: Path, group: str) -> bool:

@@ -178,6 +178,8 @@ def test_round_off_of_a_value_near_0_is_no_change(
     alike = changed(campaign(tmp_path), 0, weight=1000.0, **row)
     first, second = (changed(alike, 0, least=value) for value in (before, after))
     assert compare_tables(first, second).changed is is_change
+    heavier = changed(alike, 0, weight=1000.005)  # N, also where the reaction is a moment
+    assert compare_tables(alike, heavier).changed
 
 
 def test_costs_and_versions_are_told_and_are_no_change(tmp_path: Path) -> None:

@@ -9,8 +9,14 @@ from pathlib import Path
 import pytest
 
 from comparison import provenance
+from comparison.cli.arguments import parser
 from comparison.cli.commands import main
+from comparison.cli.conclude import conclude
+from comparison.cli.context import Context
 from la_core import exchange
+from la_core.exchange import hdf5
+
+BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
 
 
 def stored(folder: Path, scene: str = "two_pads") -> dict[str, object]:
@@ -21,7 +27,7 @@ def stored(folder: Path, scene: str = "two_pads") -> dict[str, object]:
 def results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Results of version 1.2.3, with figures."""
     monkeypatch.setattr(provenance, "version", lambda: "1.2.3")
-    assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "--no-yade", "-q"]) == 0
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "--no-yade", "-q", "--project", "Bridge 7"]) == 0
     monkeypatch.undo()
     return tmp_path / "out"
 
@@ -31,14 +37,15 @@ def test_a_renamed_folder_of_a_scene_keeps_its_figures_and_has_its_own_name(resu
     capsys.readouterr()
     assert main(["report", str(results)]) == 0
     said, page = capsys.readouterr(), (results / "report.html").read_text(encoding="utf-8")
-    assert "pads of May" in said.out and "other scene" not in said.err
+    assert "pads of May" in said.out and not {"other", "loses"} & set(said.err.split())
     assert page.count("<img") >= 3 and "viewer-data" in page
     (told,) = json.loads((results / "report.json").read_text(encoding="utf-8"))["comparisons"]
-    assert told["scene"] == "pads of May" and stored(results, "pads of May")["scene"] == "two_pads"
+    assert (told["folder"], told["scene"]) == ("pads of May", "two_pads") and "folder" not in stored(results, "pads of May")
+    assert "- project: Bridge 7\n" in (results / "report.md").read_text(encoding="utf-8")
 
 
 def test_the_date_of_a_report_is_that_of_its_results_and_not_of_their_copy(results: Path) -> None:
-    made = exchange.made_by(results / "two_pads" / "case.h5")[exchange.TIME]
+    made = exchange.made_by(results / "two_pads" / "case.h5")[exchange.MADE_AT]
     copy = shutil.copytree(results, results.with_name("copy"))
     os.utime(copy / "two_pads" / "case.h5", (2e9, 2e9))
     assert main(["report", str(copy), "-q"]) == 0
@@ -49,17 +56,43 @@ def test_results_keep_the_versions_that_made_them(results: Path) -> None:
     (results / "two_pads" / "comparison.json").unlink()
     assert main(["report", str(results), "-q"]) == 0
     made = stored(results)["provenance"]
-    assert isinstance(made, dict) and made["crosscheck"] == "1.2.3" and exchange.TIME not in made
+    assert isinstance(made, dict) and made["crosscheck"] == "1.2.3" and exchange.MADE_AT not in made
     page = (results / "report.html").read_text(encoding="utf-8")
     assert "Crosscheck 1.2.3, solver Clarabel" in page and "Provenance of this scene" in page
 
 
-def test_versions_that_are_unknown_are_not_those_of_today(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As with a file of version 0.2.0 whose comparison is lost."""
-    monkeypatch.setattr(exchange, "made_by", lambda path: {})
-    (results / "two_pads" / "comparison.json").unlink()
-    assert main(["report", str(results), "-q"]) == 0
-    assert stored(results)["provenance"] == {} and "Crosscheck" not in (results / "report.md").read_text(encoding="utf-8")
+def test_versions_and_dates_that_are_unknown_are_not_those_of_today(tmp_path: Path) -> None:
+    """Files of version 0.2.0 do not say them, but the comparison beside them says the versions."""
+    out = shutil.copytree(BEFORE, tmp_path / "out")
+    versions = stored(out)["provenance"]
+    assert main(["report", str(out), "-q"]) == 0
+    assert stored(out)["provenance"] == versions and "- date" not in (out / "report.md").read_text(encoding="utf-8")
+    (out / "two_pads" / "comparison.json").unlink()
+    assert main(["report", str(out), "-q"]) == 0
+    assert stored(out)["provenance"] == {} and "Crosscheck" not in (out / "report.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("time", ["yesterday", "2026-11-30T08:00:00", None])
+def test_a_time_that_is_none_is_no_date(time: str | None, results: Path) -> None:
+    """It must have a zone, so that the times of two files can be compared."""
+    case = results / "two_pads" / "case.h5"
+    exchange.write(case, (), {}, "", {})
+    made = json.dumps({"crosscheck": "1", exchange.MADE_AT: time})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hdf5.json, "dumps", lambda values: made)
+        exchange.write(case, (), {}, "")
+    assert exchange.made_by(case) == {}
+
+
+def test_a_second_attempt_decides_whatever_the_folders_are_called(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The first attempt is told by the scene's name, which a renamed folder does not change."""
+    first = stored(results) | {"verdict": "inconclusive", "next_step": "do this", "reason": "in doubt", "folder": "first try"}
+    second = stored(results) | {"scene": "two_pads_harder", "folder": "second try"}
+    second["first_verdict"] = {"scene": "two_pads", "verdict": "inconclusive", "reason": "in doubt"}
+    context = Context.of(parser().parse_args(["report", str(results)]))
+    assert conclude([(results, [first, second])], context) == 0
+    said = capsys.readouterr().out
+    assert "first try: in doubt" in said and "do this" not in said and "second try" in said
 
 
 def test_another_verdict_on_the_same_results_is_told(
@@ -69,9 +102,8 @@ def test_another_verdict_on_the_same_results_is_told(
     monkeypatch.setattr("comparison.workflow.one_scene.COMPARISON_CODE", ())  # as with other code
     capsys.readouterr()
     assert main(["report", str(results)]) == 0
-    assert "two_pads: comparison: not compared; the same results were judged before: expected value met" in " ".join(
-        capsys.readouterr().err.split()
-    )
+    said = " ".join(capsys.readouterr().err.split())
+    assert "two_pads: comparison: not compared; the same results were judged before: expected value met" in said
 
 
 def test_the_report_names_every_file_of_the_calculation_with_its_digest(tmp_path: Path) -> None:
@@ -84,7 +116,7 @@ def test_the_report_names_every_file_of_the_calculation_with_its_digest(tmp_path
     files = {name: hashlib.sha256((tmp_path / "out" / "wall" / name).read_bytes()).hexdigest() for name in ("scene.toml", "wall.svg")}
     page, markdown = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in ("report.html", "report.md"))
     for name, digest in files.items():
-        assert digest in page and f"| SHA-256 of {name} | {digest} |" in markdown
+        assert digest in page and f"| SHA-256 of the copy of {name} | {digest} |" in markdown
     assert "and the files that it reads the calculation can be repeated" in page
 
 

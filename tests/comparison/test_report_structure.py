@@ -192,18 +192,50 @@ def test_the_conclusion_says_what_a_negative_reaction_means(motion: list[float],
     assert ("still carries" in told) == (not words)
 
 
+BOUNDS = {"status": "solved", "reaction": 400.0, "reaction_max": 900.0}
+COULOMB = {"status": "solved", "reaction": 500.0, "uncertainty": 2.0, "reaction_interval": [450.0, 600.0], "interval_status": "limited"}
+PLATEAU = {"status": "plateau", "reaction": 501.0, "uncertainty": 4.0}
+
+
+def known(coulomb: dict[str, Any], associated: dict[str, Any] = BOUNDS, yade: dict[str, Any] = PLATEAU, **changes: Any) -> str:
+    comparison = {"limit_analysis": {"associated": associated, "coulomb": coulomb}, "structure": FACTS, "weight": 1000.0, "unit": "N"}
+    return " ".join(plain_words(comparison | {"yade": yade} | changes, Units(1000.0)))
+
+
 def test_the_conclusion_says_how_well_the_values_are_known() -> None:
     """Who copies one number from the report should not have to look for its uncertainty, and for what friction's history leaves open."""
-    bounds = {"status": "solved", "reaction": 400.0, "reaction_max": 900.0}
-    coulomb = {"status": "solved", "reaction": 500.0, "uncertainty": 2.0, "reaction_interval": [450.0, 600.0], "interval_status": "limited"}
-    comparison = {"limit_analysis": {"associated": bounds, "coulomb": coulomb}, "structure": FACTS, "weight": 1000.0, "unit": "N"}
-    yade = {"status": "plateau", "reaction": 501.0, "uncertainty": 4.0}
-    told = " ".join(plain_words(comparison | {"yade": yade}, Units(1000.0)))
-    assert "With the uncertainty that each method states: limit analysis 0.500 ± 0.002 kN, YADE 0.501 ± 0.004 kN." in told
-    assert "another history of friction the same mechanism allows 0.45000 to 0.60000 kN, and any mechanism 0.40000 to 0.90000 kN." in told
-    point = coulomb | {"reaction_interval": [500.0, 500.0], "uncertainty": 0.0}
-    known = comparison | {"limit_analysis": {"associated": bounds, "coulomb": point}}
-    assert not {"uncertainty", "history"} & set(" ".join(plain_words(known, Units(1000.0))).replace(",", "").split())
+    told = known(COULOMB)
+    stated = "the reaction is 0.500 ± 0.002 kN by limit analysis and 0.501 ± 0.004 kN in YADE."
+    assert f"With the uncertainty that each method states, {stated}" in told
+    assert "With another history of friction the same mechanism allows a reaction of 0.45000 to 0.60000 kN." in told
+    assert "No state in balance on these contact points has a reaction outside 0.40000 to 0.90000 kN." in told
+    point = known(COULOMB | {"reaction_interval": [500.0, 500.0], "uncertainty": 0.0}, yade=PLATEAU | {"uncertainty": None})
+    assert not {"uncertainty", "history", "outside"} & set(point.split())
+
+
+@pytest.mark.parametrize(
+    ("interval", "status", "words"),
+    [
+        ([450.0, None], "limited", "the same mechanism allows a reaction of at least 0.45000 kN."),
+        ([None, None], "unlimited", "the same mechanism allows every reaction."),
+        ([None, None], "not stated", "How far another history of friction changes the reaction is unknown."),
+    ],
+)
+def test_an_interval_without_two_ends_is_told_too(interval: list[float | None], status: str, words: str) -> None:
+    told = known(COULOMB | {"reaction_interval": interval, "interval_status": status}, BOUNDS | {"reaction_max": None})
+    assert words in told and "has a reaction below 0.40000 kN." in told and "–" not in told
+
+
+def test_a_multiplier_is_called_one_and_an_angle_has_its_uncertainty_once() -> None:
+    pushed = {"status": "solved", "multiplier": 0.64}
+    coulomb = {"status": "solved", "multiplier": 0.5, "uncertainty": 0.002, "multiplier_interval": [0.45, 0.6]}
+    plateau = {"status": "plateau", "reaction": 0.501, "uncertainty": 0.004}
+    told = known(coulomb, pushed, plateau, unit="")
+    assert "states, the multiplier is 0.500 ± 0.002 by limit analysis and 0.501 ± 0.004 in YADE." in told
+    assert "allows a multiplier of 0.45000 to 0.60000." in told and "in balance" not in told
+    angles = ({"angle": 26.57, "angle_uncertainty": 0.1} | one for one in (coulomb, pushed, plateau))
+    tilted = known(*angles, unit="", structure=FACTS | {"tilt": [0.0, 1.0, 0.0]})
+    assert tilted.count("±") == 2 and "allows a multiplier of" in tilted
 
 
 def test_a_push_is_given_as_a_force_too() -> None:

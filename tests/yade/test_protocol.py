@@ -269,6 +269,14 @@ def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_
         settings.derive(replace(one, overrides={"settling_step": 2.0 * usual.settling_step}))
 
 
+def test_a_run_has_the_defaults_that_pages_and_terminal_show(tmp_path: Path) -> None:
+    """Of a small structure of which limit analysis asks for nothing else; all other settings are derived from it."""
+    case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    chosen = settings.derive(replace(one, overrides={}))
+    assert {name: getattr(chosen, name) for name in exchange.SETTING_DEFAULTS} == pytest.approx(exchange.SETTING_DEFAULTS)
+
+
 def test_joints_without_dashpots_have_a_time_step(tmp_path: Path) -> None:
     """Nothing decays then, so that the step is the longest that the swing allows."""
     case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")

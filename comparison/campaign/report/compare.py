@@ -17,7 +17,7 @@ from comparison.verdict import ANSWERS
 from la_core.exchange import LEAST_REACTION
 from la_core.text_table import exists
 
-SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
+SOLVER = 1e-6  # of the weight, of a moment times its lever arm, of a multiplier absolute: residual of the cone solver, and round-off
 UNSTATED = 1e-3  # of a prediction that states no uncertainty, by an older version: its error
 CONVERGED = 1e-3  # of the classic iteration's value
 STATUSES = ("associated_status", "coulomb_status", "yade_status", "classic_status")
@@ -238,7 +238,8 @@ def _allowed(name: str, row: Row) -> float:
     uncertainty that a verdict allows.
     """
     value, weight = (_or_zero(row.get(key)) for key in (name, "weight"))
-    solver = SOLVER * max(weight, least_tolerance(row) / LEAST_REACTION) if row.get("unit") else SOLVER * max(abs(value), 1.0)
+    size = weight if name == "weight" else least_tolerance(row) / LEAST_REACTION
+    solver = SOLVER * max(size, 0.0 if row.get("unit") else abs(value))
     stated = row.get(uncertainty_of("coulomb" if name in OF_PREDICTION else name))
     if exists(stated):
         return solver + stated

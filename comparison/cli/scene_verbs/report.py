@@ -48,7 +48,8 @@ def execute(context: Context) -> int:
             comparisons: list[dict[str, Any]] = []
             for case in cases:
                 try:
-                    comparisons.append(report_again(case, narration) | {"scene": case.name})  # its folder may have been renamed
+                    summary = report_again(case, narration)
+                    comparisons.append(summary if summary["scene"] == case.name else summary | {"folder": case.name})
                 except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)

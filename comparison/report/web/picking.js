@@ -66,7 +66,8 @@ class Picking {
   // Says what is picked, with its values as they are drawn now.
   tell() {
     const { place, joint, block } = this.chosen ?? {}, method = this.methods[place];
-    this.words.textContent = !method ? NOTHING : `${method.label}: ${joint === null ? this.blockWords(method, block) : this.jointWords(method, joint)}`;
+    const words = !method ? NOTHING : `${method.label}: ${joint === null ? this.blockWords(method, block) : this.jointWords(method, joint)}`;
+    if (words !== this.words.textContent) this.words.textContent = words; // a screen reader reads every change
   }
 
   force(value) {
