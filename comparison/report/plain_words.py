@@ -99,12 +99,16 @@ def _how_well_known(comparison: dict[str, Any], units: Units) -> Iterator[str]:
     stated = [f"{words}{unit} {method}" for method, pair in values.items() if "±" in (words := with_uncertainty(*pair))]
     if stated and not r["angles"]:
         yield f"With the uncertainty that each method states, the {quantity} is {' and '.join(stated)}."
-    history = {NOT_STATED: f"How far another history of friction changes the {quantity} is unknown.", A_POINT: "", DASH: ""}
-    if words := history.get(r["interval"], f"With another history of friction the same mechanism allows a {quantity} of {r['interval']}."):
-        yield words.replace(f"a {quantity} of {UNLIMITED}", f"every {quantity}")
-        if exists(r["least"]):
-            outside = f"outside {r['bounds']}" if exists(r["greatest"]) else f"below {format_number(r['least'], 5)}"
-            yield f"No state in balance on these contact points has a {quantity} {outside}{unit}."
+    if r["interval"] in (A_POINT, DASH):
+        return
+    if r["interval"] == NOT_STATED:
+        yield f"How far another history of friction changes the {quantity} is unknown."
+    else:
+        allowed = f"every {quantity}" if r["interval"] == UNLIMITED else f"a {quantity} of {r['interval']}"
+        yield f"With another history of friction the same mechanism allows {allowed}."
+    if exists(r["least"]):
+        outside = f"outside {r['bounds']}" if exists(r["greatest"]) else f"below {format_number(r['least'], 5)}"
+        yield f"No state in balance on these contact points has a {quantity} {outside}{unit}."
 
 
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:

@@ -30,7 +30,7 @@ from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.scene import Scene
 
-TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
+TIME_LIMIT: float = exchange.SETTING_DEFAULTS["time_limit"]  # s of wall time, when neither scene nor command says otherwise
 NAMED = 3  # scenes named in one message
 MAKES_RESULTS = "`crosscheck run SCENE` makes some, in Python `comparison.run`"
 INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # a YADE that is missing has written no log

@@ -7,7 +7,6 @@ import pytest
 
 import comparison
 import la_core
-from la_core import exchange
 
 pytestmark = pytest.mark.yade
 
@@ -41,5 +40,4 @@ def test_a_light_stone_that_stands_keeps_no_run_from_rest(tmp_path: Path) -> Non
     (cube,) = np.flatnonzero(np.array(assembly.blocks.names) == "cube")
     a, b = assembly.contact_blocks
     on_cube = at_rest[b == cube].sum(axis=0) - at_rest[a == cube].sum(axis=0)
-    assert np.linalg.norm(on_cube + assembly.dead_load[cube, :3]) < 0.05 * assembly.blocks.mass[cube] * 9.81
-    assert found.yade.record.stage[0] == exchange.GRAVITY
+    assert np.linalg.norm(on_cube + assembly.dead_load[cube, :3]) < 0.02 * assembly.block_weight[cube]  # LIGHT times 1e-3: rest

@@ -49,7 +49,8 @@ def execute(context: Context) -> int:
             for case in cases:
                 try:
                     summary = report_again(case, narration)
-                    comparisons.append(summary if summary["scene"] == case.name else summary | {"folder": case.name})
+                    was_renamed = summary["scene"] != case.name
+                    comparisons.append(summary | {"folder": case.name} if was_renamed else summary)
                 except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)
