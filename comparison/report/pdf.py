@@ -36,7 +36,8 @@ def write_pdf(page: Path) -> Path:
         printed = Path(folder) / "report.pdf"
         command = [program, "--headless=new", "--disable-gpu", "--no-first-run", "--disable-extensions", "--disable-background-networking"]
         command += ["--no-sandbox"] if os.geteuid() == 0 else []  # as root its sandbox does not start; the page loads nothing
-        command += [f"--user-data-dir={folder}/profile", "--no-pdf-header-footer", f"--print-to-pdf={printed}", page.resolve().as_uri()]
+        command += [f"--user-data-dir={folder}/profile", "--no-pdf-header-footer", "--generate-pdf-document-outline"]  # bookmarks
+        command += [f"--print-to-pdf={printed}", page.resolve().as_uri()]
         try:
             ended = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)
         except subprocess.TimeoutExpired as error:

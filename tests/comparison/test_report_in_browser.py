@@ -204,6 +204,8 @@ def test_the_report_prints_to_a4_without_half_empty_pages(report: Path, browser:
     pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ") + pdf.count(b"/Type /Page/") + pdf.count(b"/Type /Page>")
     assert pdf.startswith(b"%PDF") and b"/MediaBox [0 0 594.95" in pdf
     assert 4 <= pages <= 14  # two scenes; each has five figures, its inputs, its scene file and its tables
+    bookmarks = re.findall(rb"/Title \(([^)]*)\)", pdf)
+    assert b"/Outlines" in pdf and b"What this comparison cannot say" in bookmarks and bookmarks.count(b"Checks") == 2
 
 
 PAGES = ["report", "drives", "campaign"]
