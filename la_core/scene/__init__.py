@@ -1,4 +1,4 @@
-"""What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
+"""Scene files: their schema and error messages, generators of blocks, variants, and the shipped scenes."""
 
 from la_core.scene import key_paths, shipped
 from la_core.scene.changes import change_rows, geometry_changes

@@ -1,4 +1,4 @@
-"""What reading changed in the geometry of a scene: drawings, closed joints, dropped joints; as values and as sentences."""
+"""Changes of the geometry while a scene is read (outlines of drawings, closed joints, dropped joints), as values and as rows."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from la_core.scene.scene import Scene
 from la_core.text_table import place_text
 
-LISTED = 10  # of the places that could not be repaired
+LISTED = 10  # places that could not be repaired; further ones are counted
 ROUND_OFF = 1e-7  # m: a smaller move changed nothing
 WHAT_WAS_LEFT = {
     "openings": "openings, in which nothing is built",
@@ -20,7 +20,7 @@ WHAT_WAS_LEFT = {
 
 
 def geometry_changes(scene: Scene, slivers: int, short: int) -> dict[str, Any] | None:
-    """Every change of the geometry as plain values; None where nothing was changed.
+    """Every change of the geometry as plain values; None without drawings, repairs, and dropped or short joints.
 
     Parameters
     ----------
@@ -42,11 +42,11 @@ def geometry_changes(scene: Scene, slivers: int, short: int) -> dict[str, Any] |
 
 
 def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What was changed, and how much, one row a change."""
+    """Rows of a table, one for each change and its amount. changes: from `geometry_changes`."""
     for drawing in changes["drawings"]:
         yield f"blocks from {drawing['file']}", str(drawing["blocks"])
         for key, what in WHAT_WAS_LEFT.items():
-            if drawing.get(key):  # files of earlier versions lack some
+            if drawing.get(key):  # files of earlier versions lack some keys
                 yield f"  {what}", str(drawing[key])
         if drawing["ignored"]:
             yield "  not read", ", ".join(f"{count} {kind}" for kind, count in drawing["ignored"].items())
@@ -69,7 +69,7 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What was moved, cut or dropped within the tolerance; one row says so where nothing was."""
+    """Rows on faces moved and corners cut off within the tolerance; where nothing was moved, one row says so."""
     if made_convex := repairs.get("made_convex"):  # files of earlier versions lack it
         yield "bodies of meshes made convex within the tolerance", str(made_convex)
     allowed = f"within {1e3 * repairs['tolerance']:.3g} mm"
@@ -80,7 +80,7 @@ def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
     widest = f", up to {1e3 * repairs['joint_width']:.3g} mm wide" if repairs["joint_width"] else ""
     yield f"open joints closed{widest}", str(repairs["gaps_closed"])
     yield "overlapping faces parted", str(repairs["overlaps_closed"])
-    deepest = repairs.get("deepest_cut")  # as above
+    deepest = repairs.get("deepest_cut")  # files of earlier versions lack it
     yield f"overlapping corners cut off{f', up to {1e3 * deepest:.3g} mm deep' if deepest else ''}", str(repairs["overlaps_cut"])
     if repairs["largest_move"] > ROUND_OFF:
         yield f'largest move of a corner, of "{repairs["moved_block"]}"', f"{1e3 * repairs['largest_move']:.3g} mm"

@@ -1,4 +1,4 @@
-"""A commented scene for a drawing or a file of bodies, with what the file does not say guessed and marked."""
+"""Writes a commented scene for a drawing or a file of bodies. Values that the file does not give are guessed and marked."""
 
 import importlib.util
 import json
@@ -20,7 +20,7 @@ from la_core.scene.schema.types import LARGEST_FILE
 from la_core.text_table import number_text
 
 SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
-WORDS = {  # patterns for one word of a layer's or a body's name, for each list; the first list counts
+WORDS = {  # patterns for a word in the name of a layer or a body, by list; the first list with a match counts
     "ignore": (
         *("dim", "dims", "dimension*", "text", "texts", "texte*", "testo", "testi", "bema*", "hatch*", "schraff*", "hachur*", "trattegg*"),
         *("axis", "axes", "achs*", "axe", "assi", "eje", "ejes", "frame", "rahmen", "cadre", "cartiglio", "defpoints", "note", "notes"),
@@ -42,25 +42,25 @@ WORDS = {  # patterns for one word of a layer's or a body's name, for each list;
         *("terren*", "terrain*", "suelo*", "fondazion*", "fondation*", "semelle*", "cimient*"),
     ),
 }
-OF_STONE = (  # patterns for words for stones: the jambs of a window are no opening
+OF_STONE = (  # patterns for words that name stones: the jambs of a window are no opening
     *("jamb*", "surround*", "voussoir*", "lintel*", "sill*", "arch", "arches", "quoin*", "reveal*"),
     *("stone*", "block*", "brick*", "masonry"),
     *("*stein*", "*ziegel*", "*gewände*", "*sturz*", "architrav*", "stipit*", "dintel*", "jamba*", "linteau*", "pierre*", "piédroit*"),
     *("jambage*", "claveau*"),
 )
 MEANING = {"ignore": "not read", "openings": "nothing is built there", "support": "moves", "ground": "stays"}  # of each list
-THICKNESS = 0.4  # m, written where a drawing cannot say it
+THICKNESS = 0.4  # m, a guess, because a drawing gives no thickness
 TOLERANCE = 0.003  # m
-SHORTEST, LONGEST = 0.05, 2.0  # m: most blocks are longer and shorter
-LARGEST_SIZE = 500.0  # m: a larger structure is drawn in mm
-WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no joint; closer ones need no mortar
-WEDGE = 1.3  # of the width of a joint at its narrow end
-SHARE_OF_JOINTS = 0.3  # of all neighbours have open joints where a drawing has any
-FARTHEST = 1000.0  # m: a drawing farther from its origin is shifted there, because round-off grows with the distance
-TURNED = 1.0  # degrees: so far are the edges of a turned drawing from level and upright, and so near to each other's direction
-ALIKE = 0.5  # of the length of all edges: as many have the direction of a turned drawing
-SETTLING = 1.0 / 3.0  # of the length of a base that is put under a structure without one
-CURVE = 0.005  # m
+SHORTEST, LONGEST = 0.05, 2.0  # m: the lengths of most blocks lie between
+LARGEST_SIZE = 500.0  # m: a structure with a larger size is probably drawn in mm
+WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: blocks farther apart than the first have no joint; blocks closer than the second touch
+WEDGE = 1.3  # greatest width of a wedge-shaped joint over its width at the narrow end
+SHARE_OF_JOINTS = 0.3  # least share of neighbours with open joints in a drawing with open joints
+FARTHEST = 1000.0  # m: coordinates beyond this are shifted to the origin, because round-off grows with the distance
+TURNED = 1.0  # degrees: least slope of the edges of a turned drawing, and greatest deviation of an edge from their common direction
+ALIKE = 0.5  # of the length of all edges: least part in the common direction of a turned drawing
+SETTLING = 1.0 / 3.0  # of the length of a base that is added under a structure without ground: this part settles
+CURVE = 0.005  # m: greatest distance between a curve and its chords
 
 
 def scene_from_file(source: Path, folder: Path) -> str:
@@ -105,7 +105,7 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
 
 
 def _in_a_likely_unit(source: Path) -> tuple[str, str, Drawn, Cleaned, dict[str, list[str]]]:
-    """Unit of a drawing ("" for one without a name), a comment on it, and the rest as `_read` gives it; raises SceneError."""
+    """Unit of a drawing ("" for a unit without a name), a comment on the unit, and the results of `_read`; raises SceneError."""
     content = _content(source)
     if source.suffix.lower() == ".dxf" and importlib.util.find_spec("ezdxf") is None:
         raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=extra_hint("drawing", "ezdxf"))
@@ -115,7 +115,7 @@ def _in_a_likely_unit(source: Path) -> tuple[str, str, Drawn, Cleaned, dict[str,
         doubt = unsaid and f"  # CHECK: the file {unsaid}"
         if not unsaid and clean.specks and not clean.outlines and SHORTEST <= _length(drawn.outlines) / drawn.unit <= LONGEST:
             doubt = f"  # CHECK: a unit of {drawn.unit:g} m, which the file says, makes every outline thinner than {TOLERANCE:g} m"
-            unit = "m"  # a header often has the unit of the program that wrote it
+            unit = "m"  # a header often has the default unit of the program that wrote it
             drawn, clean, lists = _read(source.suffix, content, unit)
     except ValueError as error:
         raise SceneError(str(source), str(error)) from error
@@ -123,7 +123,7 @@ def _in_a_likely_unit(source: Path) -> tuple[str, str, Drawn, Cleaned, dict[str,
 
 
 def _of_layers(drawn: Drawn, clean: Cleaned, lists: dict[str, list[str]], remarked: list[str]) -> list[str]:
-    """Lists of layers and comments on them. remarked: comments on the outlines, which stand between."""
+    """Rows with the lists of layers and comments on them. remarked: comments on the outlines, which follow the lists."""
     layers = sorted({layer for layer, _ in drawn.places} - set(lists["ignore"]))
     counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers}
     counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
@@ -154,7 +154,7 @@ def _length(outlines: Sequence[Outline]) -> float:
 
 
 def _doubt(clean: Cleaned) -> str:
-    """A comment on the file's unit, where most blocks are larger or smaller than any that walls are built of."""
+    """Comment on the file's unit where the median length of the blocks is unusual; "" elsewhere."""
     size = _length(clean.outlines)
     if SHORTEST <= size <= SIZE[1]:
         return ""
@@ -163,17 +163,17 @@ def _doubt(clean: Cleaned) -> str:
 
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
-    """Comments on what is open, divides nothing or lies around others, and on what the drawing hides or does not hold."""
+    """Comments on open outlines, on lines and outlines that are left out, and on entities that the drawing hides or does not hold."""
     left_out = clean.stray(blocks), clean.around, clean.across
     told = remarks(clean.open_outlines, *left_out, edges=clean.edges, areas=clean.areas, shared=clean.shared)
     return [f"# CHECK: {words}" for words in (*told, *unseen_words(drawn.ignored))]
 
 
 def _turned(blocks: list[Outline]) -> list[str]:
-    """A comment on a drawing most of whose edges are at right angles to each other, but neither level nor upright."""
+    """Comment on a turned drawing, where most edges are at right angles to each other, but neither level nor upright."""
     edges = np.concatenate([np.roll(block.points, -1, axis=0) - block.points for block in blocks] or [np.zeros((0, 2))])
     length, angle = np.hypot(*edges.T), np.arctan2(*edges.T[::-1])
-    mean = np.sum(length * np.exp(4j * angle))  # a quarter turn changes nothing
+    mean = np.sum(length * np.exp(4j * angle))  # edges at right angles count as parallel
     degrees = float(np.degrees(np.angle(mean)) / 4.0)
     aside = (np.degrees(angle) - degrees + 45.0) % 90.0 - 45.0  # a leaning wall with level beds has no edge in the mean direction
     if abs(degrees) < TURNED or length[np.abs(aside) < TURNED].sum() <= ALIKE * length.sum():
@@ -194,7 +194,7 @@ def _content(source: Path) -> bytes:
 
 
 def _unit(suffix: str, content: bytes) -> tuple[str, str]:
-    """Unit of a drawing, "" for one without a name, and why it is a guess, "" for none; a structure of more than 500 m is one in mm."""
+    """Unit of a drawing ("" for a unit without a name), and the reason to guess it ("" for none): mm beyond a size of 500, else m."""
     try:
         metres = read_outlines(suffix, content, None, CURVE).unit
         return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), ""
@@ -235,7 +235,7 @@ def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     table = Mesh(file=str(place))
     files = read_files(table, folder)
     scale = 1e-3 if extent(table, files) > LARGEST_SIZE else 1.0
-    bodies = mesh_blocks(Mesh(file=str(place), scale=scale), files, MOST_DENT)  # the scene's tolerance can be raised
+    bodies = mesh_blocks(Mesh(file=str(place), scale=scale), files, MOST_DENT)  # fills dents that a larger tolerance would fill
     vertices = np.concatenate([body.shape.vertices for body in bodies])
     lists = {key: [body.name for body in bodies if _list_of(body.name) == key] for key in ("ground", "support")}
     rows = ["[[mesh]]", f"file  = {_quoted(str(place))}", f"scale = {scale:g}   # metres per unit, CHECK: 0.001 for mm"]
@@ -249,7 +249,7 @@ def _mesh_text(place: PurePosixPath, folder: Path) -> str:
 
 
 def _near_the_origin(points: np.ndarray, key: str) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Least and greatest coordinates of points, m. Those in a country's grid are shifted to the origin, which a row with this key says."""
+    """Least and greatest coordinates of points, m; points in the grid of a survey are shifted to the origin by a row with this key."""
     low, high = points.min(axis=0), points.max(axis=0)
     if np.abs(points).max() <= FARTHEST:
         return low, high, []

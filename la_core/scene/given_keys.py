@@ -11,7 +11,7 @@ from la_core.exchange import setting_unit
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.scene.validation import table_of
 
-MOST_BLOCKS = 8  # [[block]] tables that are listed key by key; of more, only their number
+MOST_BLOCKS = 8  # [[block]] tables that are listed key by key; for more tables, only their number is listed
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class GivenKey:
 
 
 def given_keys(text: str) -> list[GivenKey]:
-    """Return the keys of a scene's TOML in their order; the text is that of a valid scene."""
+    """Return the keys of the TOML text of a valid scene, in their order."""
     return list(_keys(tomllib.loads(text), SceneFile, ""))
 
 

@@ -35,7 +35,7 @@ def get(data: Any, key: str) -> Any:
 def put(data: dict[str, Any], key: str, value: Any) -> None:
     """Set a key of a scene's data, in place; a value of None removes the key.
 
-    Missing tables on the way are created. Raises SceneError for a path that the data cannot have.
+    Missing tables on the way are created. Raises SceneError for a path that does not fit the data.
     """
     *way, last = steps(key)
     place: Any = data

@@ -1,4 +1,4 @@
-"""Lines of a TOML text on which its tables and keys stand; the standard library's parser does not keep them."""
+"""Line numbers of the tables and keys of a TOML text; the standard library's parser does not keep them."""
 
 import bisect
 import re
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from la_core.errors import SceneError
 
 MOST_LINES = 3  # named in one message
-KeyPath = tuple[str | int, ...]  # names of keys and places in arrays, from the top of the file
+KeyPath = tuple[str | int, ...]  # names of keys and indices in arrays, from the top of the file
 
 _BLANK = re.compile(r"(?:[\s,]|#[^\n]*)*")
 _TEXT = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL)
@@ -21,7 +21,7 @@ def key_lines(text: str) -> dict[KeyPath, int]:
 
 
 def line_of(lines: dict[KeyPath, int], place: Sequence[str | int]) -> int | None:
-    """Line of a key, or of the nearest table around it that the text has; None where it has none of them.
+    """Line of a key, or of the nearest table around it that the text has; None where the text has neither.
 
     lines: from `key_lines`.
     """
@@ -30,7 +30,7 @@ def line_of(lines: dict[KeyPath, int], place: Sequence[str | int]) -> int | None
 
 
 def with_lines(error: SceneError, text: str, names: Sequence[str], places: Sequence[KeyPath]) -> SceneError:
-    """The error with the lines of the blocks that it names, or else of its key.
+    """Add to an error the lines of the blocks that it names, or else the line of its key.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def with_lines(error: SceneError, text: str, names: Sequence[str], places: Seque
 
 
 class _Scan:
-    """One walk through a text that `tomllib` accepts; on any other text it ends early and knows fewer lines."""
+    """One pass through a text that `tomllib` accepts; on any other text the pass ends early and finds fewer lines."""
 
     def __init__(self, text: str) -> None:
         self.lines: dict[KeyPath, int] = {}
@@ -131,7 +131,7 @@ class _Scan:
         return names
 
     def _next(self, mark: str) -> bool:
-        """Whether the mark comes next, after spaces; it is then passed, with the spaces behind it."""
+        """Whether the mark comes next, after spaces; if so, pass the mark and the spaces behind it."""
         at = self._at
         while self._text[at : at + 1] in (" ", "\t"):
             at += 1
@@ -143,7 +143,7 @@ class _Scan:
         return True
 
     def _skip_blank(self) -> bool:
-        """Pass spaces, ends of lines, commas and comments; whether anything follows them."""
+        """Pass spaces, ends of lines, commas and comments; return whether more text follows."""
         match = _BLANK.match(self._text, self._at)
         assert match is not None  # it may be empty
         self._at = match.end()

@@ -15,18 +15,18 @@ from la_core.scene.schema.masonry import SIDES
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.text_table import number_text, place_text
 
-DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
-RADIANS = 3.1416  # degrees: no arch is as flat as this; half a turn in radians
-SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
-WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome
-GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
+DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick are above the first, basalt and heavy stone below the second
+RADIANS = 3.1416  # degrees: pi, rounded up; no arch spans so small an angle, so a smaller value is probably in radians
+SIZE = (0.01, 10.0)  # m: least thickness and greatest length of a usual block
+WEIGHT = (0.1, 1e9)  # N: the weight of a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome
+GRAVITY = (5.0, 15.0)  # m/s2: around the gravity of the earth, with room for inclined models
 UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be level
-MARGIN = 1.5  # of the tolerance told over half the gap: with 1 it left a joint open, or was refused, on 15 of 80 arches of inexact corners
+MARGIN = 1.5  # suggested tolerance over half the gap: with 1 it left joints open, or was refused, on 15 of 80 arches with inexact corners
 ALL_BUT = 1.0 - 1e-6  # of the distance at which a block only touches a course: round-off
 SHARE = 5.0  # of the settlement: a larger share is probably a percentage
 ROUND_OFF = 1e-9  # of a length
 TURNED = 0.05  # of a block's size: a motion that changes lever arms of half a block by a tenth
-LOOSE = 0.25  # of an expected value: with a larger tolerance, wrong answers meet it, too
+LOOSE = 0.25  # of an expected value: with a larger tolerance, wrong answers agree, too
 NAMED = 3  # blocks named in one warning
 
 
@@ -45,7 +45,7 @@ def implausible(
     blocks : Blocks
         Blocks of the scene.
     densities : sequence of float or None
-        Density of each block as the scene gives it, without floors, kg/m3; None where it gives none.
+        Density of each block as the scene gives it, without floors, kg/m3; None where the scene gives none.
     file : SceneFile
         Tables of the scene.
     gravity : ndarray, shape (3,)
@@ -53,7 +53,7 @@ def implausible(
     twists : ndarray, shape (B, 6), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
     repairs : Repairs or None
-        Changes of the geometry within its tolerance. None where none was asked for.
+        Changes of the geometry within its tolerance. None where the scene requests no repair.
     """
     missed = missed_joints(blocks)
     return (
@@ -120,7 +120,7 @@ def _of_shares(file: SceneFile) -> Iterator[str]:
 
 
 def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
-    """Yield a warning where YADE lifts or moves the support, or the fastest block under a live load, so far that spheres slip off faces."""
+    """Yield a warning where `max_travel` or `wedging` moves blocks so far in YADE that contact spheres slip off their faces."""
     longest, speed = TRAVEL_OVER_INSET * file.joint.inset, _fastest(blocks, twists)
     for name in ("max_travel", "wedging"):
         travel = float(file.yade.get(name, 0.0))
@@ -133,7 +133,7 @@ def _of_travel(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> It
 
 
 def _of_path(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iterator[str]:
-    """Yield a warning where a requested curve goes so far that blocks change their lever arms, which no path of limit analysis follows."""
+    """Yield a warning where a requested curve is so long that lever arms change; limit analysis keeps the lever arms as built."""
     settlement = file.path.settlement if file.path else None
     if settlement is None or not blocks.free.any():
         return
@@ -167,7 +167,7 @@ def _of_densities(densities: Sequence[float]) -> Iterator[str]:
 
 
 def _of_thickness(file: SceneFile) -> Iterator[str]:
-    """Yield a warning for each drawing whose blocks are thicker than any: its other lengths come from its file, in the unit of the file."""
+    """Yield a warning for each drawing with blocks thicker than 10 m: the thickness was probably given in the unit of the drawing."""
     for number, drawing in enumerate(file.drawing):
         if drawing.thickness > SIZE[1]:
             metres = f"if it is in mm, write {drawing.thickness / 1e3:g}"
@@ -186,11 +186,11 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
 
 
 def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator[str]:
-    near = MARGIN * missed.gap / 2.0 <= MOST_TOLERANCE  # huge blocks, as of another unit, nearly touch across more
+    near = MARGIN * missed.gap / 2.0 <= MOST_TOLERANCE  # huge blocks, such as those in a wrong unit, have wider gaps
     missed = replace(missed, pairs=missed.pairs[near], gap=missed.gap[near])
     if not len(missed.gap):
         return
-    closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than what has left these gaps
+    closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than the tolerance that left these gaps open
     pairs = [
         f'"{blocks.names[a]}" and "{blocks.names[b]}" across {number_text(1e3 * gap, 2)} mm'
         for (a, b), gap in zip(missed.pairs, missed.gap, strict=True)
@@ -201,7 +201,7 @@ def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator
 
 
 def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
-    """Yield a warning for contacts without a joint, but for those that a tolerance closes, which are told already."""
+    """Yield a warning for blocks that touch at an edge or a corner, except for pairs across a gap, see `_of_gaps`."""
     found, told = edge_contacts(blocks), set(map(tuple, missed.pairs.tolist()))
     kept = [k for k, pair in enumerate(found.pairs.tolist()) if tuple(pair) not in told]
     if not kept:
@@ -218,9 +218,9 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
 
 
 def _of_unclosed(repairs: Repairs | None) -> Iterator[str]:
-    """Yield a warning on the places that the tolerance of the geometry, or open joints of a drawing, leave open.
+    """Yield a warning for the places that are still open after the repair of the geometry.
 
-    An overlap too deep to be cut is no open place: blocks that overlap are refused with a message of their own.
+    An overlap too deep to be cut does not count: blocks that overlap are refused with a message of their own.
     """
     if repairs is None:
         return
@@ -234,7 +234,7 @@ def _of_unclosed(repairs: Repairs | None) -> Iterator[str]:
 
 
 def _rounded_up(length: float) -> float:
-    """A length with one digit, not less than it."""
+    """The length, rounded up to one digit."""
     unit = 10.0 ** math.floor(math.log10(length))
     return math.ceil(length / unit * (1.0 - 1e-9)) * unit
 
@@ -268,7 +268,7 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
     if twists is None or not supports.any():
         return
     velocity = twists[supports, :3] + np.cross(twists[supports, 3:], blocks.centroid[supports])
-    # Under gravity aslant, as on an inclined model, a level motion has a part against gravity and lifts nothing.
+    # On an inclined model, gravity is oblique: a level motion has a component against gravity and lifts nothing.
     along = np.array([gravity, np.where(np.abs(gravity) == np.abs(gravity).max(), gravity, 0.0)])
     rounded = UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max()
     rises = (velocity @ along.T < -rounded).all(axis=1)
@@ -282,7 +282,7 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
 
 
 def _of_expected(file: SceneFile) -> Iterator[str]:
-    """Yield a warning for a tolerance that is large beside the value it is for."""
+    """Yield a warning for a tolerance that is large compared with its expected value."""
     if file.expected is None:
         return
     tolerance = file.expected.tolerance

@@ -1,4 +1,4 @@
-"""Reading a scene file: its text and its tables, with the next step for what is no scene."""
+"""Reads the text and the tables of a scene file; errors for other files and for invalid TOML name the next step."""
 
 import re
 import shlex
@@ -17,9 +17,9 @@ _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMAT
             **dict.fromkeys(_PICTURES, "a drawing or a picture"), **dict.fromkeys(_SHEETS, "a spreadsheet"),
             ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
-_BEFORE = r"[=\[,]\s*[-+]?"  # what stands before a number
-_OUTSIDE = r"""(?:[^"'#]|"[^"]*"|'[^']*')*"""  # the begin of a line as far as it is no comment; texts in quotes are whole
-_SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that it brings; the first one that fits holds
+_BEFORE = r"[=\[,]\s*[-+]?"  # precedes a number
+_OUTSIDE = r"""(?:[^"'#]|"[^"]*"|'[^']*')*"""  # start of a line up to a comment; a # in quotes begins no comment
+_SLIPS = (  # patterns of lines that are not valid TOML, each with its hint; the first match counts
     (r"=[^\"'#]*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
     (r"=[^\"'#]*[−–—]", "write a minus sign with the key -; a longer dash comes with text copied from a page"),
     (
@@ -45,15 +45,15 @@ _SLIPS = (  # patterns of a line that is not valid TOML, each with the hint that
     (r"=\s*[^\W\d][^\"'\[\]{}=]*$", "write text in quotes"),
 )
 _SAVE_AS_UTF_8 = "save the file in the encoding UTF-8; editors offer it beside the file's name"
-_LONGEST_LINE = 2000  # characters: in a longer line no slip is sought, because patterns take the square of its length
-_DEEPEST_KEY = 30  # parts between dots; Python's reader takes the square of their number
+_LONGEST_LINE = 2000  # characters: longer lines are not searched, because the time of the search grows with the square of the length
+_DEEPEST_KEY = 30  # parts between dots; the time of Python's parser grows with the square of their number
 _PART = r"""(?:"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+'|[A-Za-z0-9_-]++)[ \t]*+"""
 _DEEP_KEY = re.compile(rf"(?:^|[\[{{,])[ \t]*+(?:{_PART}\.[ \t]*+){{{_DEEPEST_KEY}}}", re.MULTILINE)
 _TABLE_TWICE = "a table in single brackets stands once; tables of which a scene may have several have double brackets, as [[block]]"
 
 
 def read_text(path: Path) -> str:
-    """The text of a scene file; raises SceneError where it cannot be one."""
+    """The text of a scene file; raises SceneError for a file that cannot be a scene."""
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
             raise SceneError(str(path), "neither a file nor a folder, so reading it might never end")
@@ -62,7 +62,7 @@ def read_text(path: Path) -> str:
             raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
         content = path.read_bytes()
         _refuse_other_texts(content, path)
-        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # some editors begin a file with a mark
+        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # some editors write a byte order mark
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
     except UnicodeDecodeError as error:
@@ -80,7 +80,7 @@ def _refuse_other_texts(content: bytes, path: Path) -> None:
 
 
 def _refuse_other_kinds(path: Path) -> None:
-    """Raise SceneError for a mesh or a drawing in place of a scene, with the command that writes a scene for it."""
+    """Raise SceneError for a mesh, a drawing, a picture or a spreadsheet in place of a scene; the hint tells how to get a scene."""
     ending = path.suffix.lower()
     kind = _ENDINGS.get(ending)
     if kind is None or not path.is_file():
@@ -99,7 +99,7 @@ def _refuse_other_kinds(path: Path) -> None:
 
 
 def tables_of(text: str, path: Path) -> dict[str, Any]:
-    """The tables of a TOML text; raises SceneError, which names `path`, where it is not valid."""
+    """The tables of a TOML text; raises SceneError, which names `path`, for invalid TOML."""
     if deep := _DEEP_KEY.search(text):
         line = text.count("\n", 0, deep.start() + 1) + 1
         raise SceneError(str(path), f"line {line}: a key has more than {_DEEPEST_KEY} parts between dots; no key of a scene has so many")
@@ -117,14 +117,14 @@ def refuse_a_campaign(data: dict[str, Any], path: Path) -> None:
 
 
 def _slip(text: str, message: str) -> str:
-    """What the line of an error was probably meant to be, as a hint; "" where nothing is known."""
+    """Hint on the probable mistake in the line of a TOML error with this message; "" where none is known."""
     place = re.search(r"line (\d+)", message)
     line = text.split("\n")[int(place[1]) - 1].strip(" \t") if place else ""
     if "Cannot declare" in message or "Cannot overwrite" in message:
         return _TABLE_TWICE if line.startswith("[") else "the key stands twice; give it once"
     if len(line) > _LONGEST_LINE:
         return ""
-    if comment := re.match(rf"({_OUTSIDE})#", line):  # which may hold anything, as the formula that gives the number
+    if comment := re.match(rf"({_OUTSIDE})#", line):  # a comment may hold anything, such as the formula for the number
         line = comment[1].rstrip(" \t")
     for pattern, hint in _SLIPS:
         if found := re.search(pattern, line):

@@ -1,4 +1,4 @@
-"""From a TOML file to a `Scene`, with every check that needs no solver."""
+"""Reads a TOML file into a `Scene`, with every check that needs no solver."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -43,11 +43,11 @@ class Scene(Tabled, Held):
     name : str
         Name of the scene and of its folder of results.
     path : Path
-        File of the scene, which messages name; a scene from `build` has no file there.
+        Path of the scene file, which messages name. A scene from `build` has no file at this path.
     text : str
         Scene as TOML.
     title : str
-        Title; the name where the file has none.
+        Title, or the name where the file has no title.
     source : str
         Source of the geometry or of the expected value, "" where the file names none.
     gravity : ndarray, shape (3,)
@@ -61,9 +61,9 @@ class Scene(Tabled, Held):
     support_twist : ndarray, shape (6,), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
     own_twists : ndarray, shape (B, 6), or None
-        The same for each support by its share of the settlement, 0 for other blocks. None where all supports move by `support_twist`.
+        Unit motion of each support by its share of the settlement, 0 for other blocks. None where all supports move by `support_twist`.
     live : ndarray, shape (3,), or None
-        Unit direction of a load proportional to weight, also of the one that a tilt is. None for a settlement.
+        Unit direction of the load proportional to weight; a [tilt] is such a load, too. None for a settlement.
     effects : RequestedEffects
         Choice for every effect, "auto" where the program decides.
     path_asked : RequestedPath or None
@@ -81,13 +81,13 @@ class Scene(Tabled, Held):
     project : str
         Project that the report belongs to, "" where the file names none.
     author : str
-        Who answers for the report, "" where the file names nobody.
+        Person responsible for the report, "" where the file names nobody.
     date : str
         Date in the head of the report, "" where the file has none.
     drawn : tuple of DrawnBlocks
-        What became of the outlines of each [[drawing]].
+        Record of each [[drawing]]: outlines that became blocks, were changed or were left out.
     repairs : Repairs or None
-        Changes of the geometry within its tolerance. None where none was asked for.
+        Changes of the geometry within its tolerance. None where the scene requests no repair.
     warnings : tuple of str
         Sentences about values that are allowed but seldom meant, such as an angle for friction.
     places : tuple
@@ -140,7 +140,9 @@ class Scene(Tabled, Held):
     floor_mass: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
-        """An error of the scene's blocks or keys with the file before it, or its name, and with the lines where the file has this text.
+        """Add the place to an error of blocks or of a key: the path of the file, or else the scene's name, and the lines in the file.
+
+        A file that has changed since it was read gets no lines.
 
         Parameters
         ----------
@@ -150,7 +152,7 @@ class Scene(Tabled, Held):
         Returns
         -------
         SceneError
-            The same with its place.
+            The error with its place.
         """
         try:
             counted = self.text if reading.read_text(self.path) == self.text else ""
@@ -161,14 +163,14 @@ class Scene(Tabled, Held):
 
     @property
     def weight(self) -> float:
-        """Weight of all free blocks and of the dead loads on them, N; of a load, the part along gravity where it does not lift."""
+        """Weight of all free blocks and their dead loads, N. A load counts by its component along gravity; an uplift counts as 0."""
         size = float(np.linalg.norm(self.gravity))
         own, loads = self.blocks.mass[self.blocks.free].sum() * size, self.loads.weight(len(self.blocks), self.gravity / size).sum()
         return float(own + loads)
 
     @property
     def shortest_joint(self) -> float:
-        """Length of the shortest joint that counts, m; 0 without a tolerance of the geometry."""
+        """Length of the shortest joint that counts, m; 0 without repairs of the geometry."""
         return 0.0 if self.repairs is None else self.repairs.shortest_joint
 
     @property
@@ -216,7 +218,7 @@ class Scene(Tabled, Held):
 
 
 def load_scene(path: Path, name: str = "") -> Scene:
-    """Read, validate and expand a scene file; raises SceneError with every fault of it, each with its line.
+    """Read, validate and expand a scene file; raises SceneError with every fault of the file and its line.
 
     name: name of the scene instead of the file's stem, for copies.
     """
@@ -224,9 +226,9 @@ def load_scene(path: Path, name: str = "") -> Scene:
 
 
 def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False, where: str = "") -> Scene:
-    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name unless they name `where`.
+    """Validate and expand the TOML `text` of a scene; the files of its meshes and drawings lie in the folder of `path` or below it.
 
-    counts_lines: whether messages name lines, because the text is that of a file.
+    counts_lines: whether messages name lines; True for the text of a file. where: name of the scene in messages; "" takes `path`.
     """
     data, counted = reading.tables_of(text, path), text if counts_lines else ""
     reading.refuse_a_campaign(data, path)

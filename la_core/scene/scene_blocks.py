@@ -1,4 +1,4 @@
-"""Blocks of all tables of a scene file, checked against each other, and the repair of their geometry within its tolerance."""
+"""Blocks of all tables of a scene file: checks across the tables, and repair of the geometry within its tolerance."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -24,15 +24,15 @@ from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import Fault, joined
 from la_core.text_table import place_text
 
-LEAST_TOLERANCE = 1e-4  # m: where open joints are closed without a stated tolerance
+LEAST_TOLERANCE = 1e-4  # m: greatest tolerance where open joints are closed and the scene states none
 WHERE_A_SUPPORT_IS = (
     'give a [[block]] role = "support", a wall a `footing` or a building a `foundation` with a `settling` part, or an arch `springers`'
 )
-Placed = tuple[KeyPath, NamedShape]  # table of the file, and a block of it
+Placed = tuple[KeyPath, NamedShape]  # place of a table in the file, and one of its blocks
 
 
 class Tables:
-    """What the tables of a file build, with every fault on the way.
+    """Blocks that the tables of a file build, and the faults of the tables.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class Tables:
     places : list of tuples
         Table of each block, such as ("wall", 0).
     faults : list of Fault
-        What could not be built, each with its table.
+        Error of each table that could not be built, with the place of the table.
     files : list of MeshFile
         Files of meshes and drawings as read.
     drawn : list of DrawnBlocks
-        What became of each drawing.
+        Record of each drawing: outlines that became blocks, were changed or were left out.
     """
 
     def __init__(self, file: scene_file.SceneFile, folder: Path) -> None:
@@ -56,7 +56,7 @@ class Tables:
         self.places, self.named = [place for place, _ in placed], [named for _, named in placed]
 
     def _placed(self, file: scene_file.SceneFile, folder: Path) -> Iterator[Placed]:
-        """Blocks of every table; what cannot be built becomes a fault, and the next table follows."""
+        """Blocks of every table. An error of a table becomes a fault, and the next table follows."""
         for kind in ("block", *_GENERATORS, "mesh", "drawing"):
             for number, table in enumerate(getattr(file, kind)):
                 place = (kind, number)
@@ -65,7 +65,7 @@ class Tables:
                         yield place, named
                 except ValueError as error:
                     self.faults.append((place, f'{kind} "{table.name}": {error}'))
-                except SceneError as error:  # which names the table already
+                except SceneError as error:  # its message names the table already
                     self.faults.append((place, str(error)))
 
     def _blocks_of(self, kind: str, table: Any, tolerance: float, folder: Path) -> Iterator[NamedShape]:
@@ -104,7 +104,7 @@ def _shape(block: scene_file.Block, tolerance: float) -> shapes.Shape:
 
 
 def _faults_of_names(tables: Tables) -> Iterator[Fault]:
-    """Yield, once for each table of the file, that names of its blocks are used before."""
+    """Yield one fault for each table of the file that repeats names of blocks."""
     seen: set[str] = set()
     taken: dict[KeyPath, list[str]] = {}
     for place, one in zip(tables.places, tables.named, strict=True):
@@ -122,7 +122,7 @@ def _faults_of_names(tables: Tables) -> Iterator[Fault]:
 
 
 def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
-    """Yield what no table alone shows: names used twice, and roles, loads and expected values that do not fit together."""
+    """Yield the faults across tables: repeated names, missing densities, wrong settings, and roles or expected values that do not fit."""
     yield from _faults_of_names(tables)
     roles = {one.role for one in tables.named}
     if "free" not in roles:
@@ -145,7 +145,7 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
         lifts = SceneError("yade.wedging", f"lifts the support, and a [{driven}] scene has none", hint="leave it out")
         yield ("yade", "wedging"), str(lifts)
     share = file.yade.get("time_step_share", 0.0)
-    if share > 1.0 and "time_step" not in file.yade:  # which takes the place of a share
+    if share > 1.0 and "time_step" not in file.yade:  # a given time step replaces the share
         rule = "must be at most 1: beyond that the integration is unstable"
         yield ("yade", "time_step_share"), str(SceneError("yade.time_step_share", rule, value=share))
     yield from faults_of_tilt(file)
@@ -153,13 +153,13 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
 
 
 def _why_none_is_free(tables: Tables, file: scene_file.SceneFile) -> str:
-    """What to do where no block is free: what each drawing says, or else to type one."""
+    """Hint for a scene without free blocks: the reason in each drawing, or else the advice to give a block the role "free"."""
     drawings = zip(file.drawing, tables.files[len(tables.files) - len(file.drawing) :], strict=True)
     return "; ".join(why_none_is_free(*one, file.geometry.tolerance or 0.0) for one in drawings) or 'give a [[block]] the role "free"'
 
 
 def _faults_of_density(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
-    """Yield each table with a free block that has no density, once."""
+    """Yield one fault for each table with a free block that has no density."""
     told: set[KeyPath] = set()
     for place, one, density in zip(tables.places, tables.named, densities(tables.named, file), strict=True):
         if density is None and ROLES[one.role] == FREE and place not in told:
@@ -171,9 +171,9 @@ def _faults_of_density(tables: Tables, file: scene_file.SceneFile) -> Iterator[F
 def checked_blocks(
     tables: Tables, file: scene_file.SceneFile, counted: str
 ) -> tuple[Blocks, list[float | None], np.ndarray | None, Repairs | None]:
-    """Blocks of all tables, their densities without what they carry, the mass of floors on each, and the repairs of the geometry.
+    """Blocks of all tables, their densities without floors (kg/m3), the mass of floors on each (kg), and the repairs of the geometry.
 
-    Raises SceneError with every fault. counted: text of the file, whose lines messages name; "" without one.
+    Raises SceneError with every fault. counted: text of the file, for line numbers in messages; "" gives none.
     """
     if faults := tables.faults or list(faults_of_sense(tables, file)):
         raise joined(faults, counted)
@@ -189,7 +189,7 @@ def checked_blocks(
 
 
 def where_drawn(error: SceneError, blocks: Blocks, places: Sequence[KeyPath]) -> SceneError:
-    """An error of blocks with its first spot, and with their layers, where it has a spot and all of them come from drawings.
+    """Add to an error of blocks its first spot and the layers of the blocks, if it has a spot and all of its blocks come from drawings.
 
     places: table of each block.
     """
@@ -203,15 +203,15 @@ def where_drawn(error: SceneError, blocks: Blocks, places: Sequence[KeyPath]) ->
 
 
 def densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
-    """Density of every block without what it carries, kg/m3; None for a block without one."""
+    """Density of every block without floors, kg/m3; None where neither the block nor [stone] gives one."""
     stone = file.stone.density if file.stone else None
     return [one.density if one.density is not None else stone for one in named]
 
 
 def gathered(named: list[NamedShape], stones: list[float | None]) -> tuple[Blocks, np.ndarray | None]:
-    """The blocks with all that they carry, and the mass of a building's floors on each (B,), kg; None without floors.
+    """The blocks, whose masses include floors, and the mass of a building's floors on each (B,), kg; None without floors.
 
-    stones: density of every block without what it carries, kg/m3.
+    stones: density of every block without floors, kg/m3.
     """
     added = np.array([one.added_density for one in named])
     loaded = np.array([np.nan if stone is None else stone for stone in stones]) + added
@@ -221,7 +221,7 @@ def gathered(named: list[NamedShape], stones: list[float | None]) -> tuple[Block
 
 
 def repaired(named: list[NamedShape], file: scene_file.SceneFile) -> tuple[list[NamedShape], Repairs | None]:
-    """The blocks with closed joints, and what was changed; None where the scene asks for no repair."""
+    """The blocks with closed joints, and the repairs; None in place of the repairs where the scene requests none."""
     joints = np.array([one.joint for one in named])
     if file.geometry.tolerance is None and not joints.any():
         return named, None

@@ -1,4 +1,4 @@
-"""The scenes that are part of the program, and commented ones from which users start their own."""
+"""The shipped scenes, and commented scenes from which users start their own."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -9,7 +9,7 @@ from la_core.scene.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parents[1] / "scenes"
 STARTERS = Path(__file__).parent / "starters"
-LONG = ("building_corner",)  # some minutes of limit analysis and 20 to 40 of YADE
+LONG = ("building_corner",)  # some minutes of limit analysis and 20 to 40 minutes of YADE
 
 
 def names() -> list[str]:
@@ -35,10 +35,10 @@ def place(name: str) -> Path:
 
 
 def find(scene: str, folder: Path = Path()) -> Path:
-    """Path of a scene given by path from a folder on, with or without `.toml`, or by a shipped scene's name.
+    """Path of a scene file, given by a path relative to `folder`, with or without `.toml`, or by the name of a shipped scene.
 
-    Raises SceneError where there is neither, where the system refuses to look there, as for a name that is too long, and where a name is
-    that of a shipped scene and of a file in the folder.
+    Raises SceneError where neither exists, where the operating system refuses the path (such as a name that is too long), and where a
+    shipped scene and a file in the folder have the same name.
     """
     hint = "give the path of a scene file, or a shipped scene; `crosscheck scenes` lists them, in Python `la_core.names()`"
     if not scene:
@@ -66,7 +66,7 @@ def _found(scene: str, path: Path) -> Path:
 
 
 def refuse_two(name: str, shipped: Path, here: Iterable[Path], kind: str) -> None:
-    """Raise SceneError where one of some paths is a file other than the shipped one of this name; kind: scene or campaign."""
+    """Raise SceneError where a path in `here` is a file other than the shipped one of this name. kind: "scene" or "campaign"."""
     if file := next((path for path in here if path.is_file() and not path.samefile(shipped)), None):
         hint = f'"{file}" is the file; rename the file to use the shipped {kind}'
         raise SceneError(name, f"names both a shipped {kind} and a file here", hint=hint)
@@ -105,21 +105,21 @@ def load(scene: Scene | Path | str) -> Scene:
         hint = "for the text of a scene, `la_core.build(tomllib.loads(text))`"
         raise SceneError("scene", "must be the path of a scene file, or the name of a shipped scene", value=scene, hint=hint)
     loaded = load_scene(find(str(scene)))
-    return replace(loaded, path=loaded.path.absolute())  # its variants find their meshes wherever the program goes
+    return replace(loaded, path=loaded.path.absolute())  # variants find their meshes from any working directory
 
 
 def starter_names() -> list[str]:
-    """Kinds of structures for which there is a commented scene, in alphabetical order."""
+    """Kinds of structures with a commented scene, in alphabetical order."""
     return sorted(path.stem for path in STARTERS.glob("*.toml"))
 
 
 def starter_text(kind: str) -> str:
-    """The commented scene of a kind, as TOML; raises SceneError for a kind that there is not."""
+    """The commented scene of a kind, as TOML; raises SceneError for an unknown kind."""
     if kind not in starter_names():
         raise SceneError(f'"{kind}"', "no kind of structure", hint=nearest(kind, starter_names(), "kinds"))
     return (STARTERS / f"{kind}.toml").read_text(encoding="utf-8")
 
 
 def starter_purpose(kind: str) -> str:
-    """What the scene of a kind shows: the first line of its comment."""
+    """Purpose of the commented scene of a kind: the first line of its comment."""
     return starter_text(kind).splitlines()[0].removeprefix("# ")

@@ -12,11 +12,11 @@ import pydantic
 from la_core.errors import SceneError, nearest, shortened
 from la_core.scene.line_numbers import KeyPath, key_lines, line_of
 
-MOST_MESSAGES = 20  # of one file; more are counted
-Fault = tuple[KeyPath, str]  # place in the file, and what is wrong there
+MOST_MESSAGES = 20  # shown for one file; further ones are counted
+Fault = tuple[KeyPath, str]  # place in the file, and message
 
-RANGE = re.compile(r"([-+]?\d*\.?\d+)\s*(?::|\.{2,3}|-|–|to)\s*([-+]?\d*\.?\d+)")  # two numbers as a word
-_RULES = {  # instead of pydantic's messages, which speak of Python
+RANGE = re.compile(r"([-+]?\d*\.?\d+)\s*(?::|\.{2,3}|-|–|to)\s*([-+]?\d*\.?\d+)")  # a range of two numbers as text
+_RULES = {  # in place of pydantic's messages, which use Python's terms
     "bool_type": "must be true or false",
     "dict_type": "must be a table",
     "finite_number": "must be a finite number",
@@ -29,7 +29,7 @@ _RULES = {  # instead of pydantic's messages, which speak of Python
     "too_short": "has too few entries, {actual_length} where at least {min_length} belong",
     "tuple_type": "must be an array",
 }
-_NOT_IN_A_SCENE = {  # words that users try, and what holds instead
+_NOT_IN_A_SCENE = {  # keys that users try, each with its hint
     "cohesion": "joints have none: they are dry and open without force",
     "tension": "joints have none: they are dry and open without force; the tension of a rod stands in [[tie]]",
     "load": "dead loads stand in [[load]] tables of their own, ties in [[tie]]; [live] pushes in proportion to weight",
@@ -40,7 +40,7 @@ _NOT_IN_A_SCENE = {  # words that users try, and what holds instead
 
 
 def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel], text: str = "") -> SceneError:
-    """Turn the errors in a table's data into one SceneError: for each of them the key path, the value, the rule and the next step.
+    """Turn the errors in a table's data into one SceneError, with the key path, the value, the rule and the next step of each error.
 
     Parameters
     ----------
@@ -51,26 +51,26 @@ def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], tabl
     table : class
         Schema of the table.
     text : str
-        The TOML, from which lines are counted; "" counts none.
+        TOML text for line numbers in messages; "" gives none.
     """
     return joined(_faults(refused, data, table, explains=bool(text)), text)
 
 
 def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel], explains: bool) -> list[Fault]:
-    """Every error in a table's data, one for each key; a misspelt key explains the missing one that it stands for.
+    """One fault for each wrong key in a table's data. A key that is missing because it was misspelt is not named a second time.
 
     explains: whether valid keys are listed with their meaning, on lines of their own.
     """
     errors: list[Any] = sorted(refused.errors(), key=lambda error: error["loc"][-1:] == ("constrained-int",))
     meant = {_meant(error, table) for error in errors if error["type"] == "extra_forbidden"}
     by_place: dict[KeyPath, str] = {}
-    told: set[str] = set()  # meanings of keys, each of which is said once
+    told: set[str] = set()  # meanings of keys, each shown once
     for error in errors:
         place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
         if error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]:
-            continue  # pydantic counts the valid entries only, and has an error for each of the others
+            continue  # pydantic counts the valid entries only, and reports each invalid entry by itself
         if error["type"] == "missing" and isinstance(place[-1], int):
-            place = place[:-1]  # an array has too few entries once, and none where another of its entries is no number
+            place = place[:-1]  # one fault for the array, and none where one of its entries is invalid
             if any(other["type"] != "missing" and other["loc"][: len(error["loc"]) - 1] == error["loc"][:-1] for other in errors):
                 continue
         if error["type"] != "missing" or place not in meant:
@@ -79,7 +79,7 @@ def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type
 
 
 def joined(faults: list[Fault], text: str) -> SceneError:
-    """One error with the messages of all faults, in the order of their lines in the TOML `text`; without lines for ""."""
+    """One error with the messages of all faults, in the order of their lines in the TOML `text`; "" gives no lines."""
     lines = key_lines(text) if text else {}
     numbered = sorted(((line_of(lines, place) or 0, message) for place, message in faults), key=lambda pair: pair[0])
     messages = [f"line {line}: {message}" if line else message for line, message in numbered]
@@ -91,7 +91,7 @@ def joined(faults: list[Fault], text: str) -> SceneError:
 
 
 def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str] | None) -> SceneError:
-    """One error of pydantic; `told` has the meanings of keys that were said already, None for no lists of keys."""
+    """One error of pydantic as a SceneError. told: meanings of keys that were shown already; None lists no keys."""
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
@@ -121,7 +121,7 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
 
 
 def _brackets(error: Any, table: type[pydantic.BaseModel]) -> str:
-    """How to write a table that stands in the brackets of another kind, as a hint; "" for any other value."""
+    """Hint for a single table written as an array of tables, or the reverse; "" for any other error."""
     value, (*parents, key) = error["input"], error["loc"]
     field = _keys(_table_at(table, parents)).get(str(key))
     if field is None or table_of(field.annotation) is None:  # such as a vector or a list of names
@@ -135,7 +135,7 @@ def _brackets(error: Any, table: type[pydantic.BaseModel]) -> str:
 
 
 def _as_array(value: Any) -> str:
-    """The array that a single value, or a range in words, was probably meant to be, as a hint."""
+    """Hint with the array to write in place of a single value or of a range in words; "" for any other value."""
     if isinstance(value, str) and (ends := RANGE.fullmatch(value.strip())):
         return f"list all values: [{ends[1]}, ..., {ends[2]}], with numbers in place of the dots"
     is_single = isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
@@ -143,7 +143,7 @@ def _as_array(value: Any) -> str:
 
 
 def _slip(error: Any) -> str:
-    """What a value of a wrong kind was probably meant to be, as a hint; "" where nothing is known."""
+    """Hint on the probable meaning of a value of a wrong type; "" where none is known."""
     value = error["input"]
     if error["type"] == "too_long" and isinstance(value, list) and len(value) == 2 * error["ctx"]["max_length"]:
         return "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"
@@ -162,7 +162,7 @@ def _slip(error: Any) -> str:
 
 
 def _is_of_a_type(step: str | int) -> bool:
-    """Whether a step of pydantic's location names a type among several, and no key."""
+    """Whether a step of pydantic's location names one of several allowed types, and no key."""
     return isinstance(step, str) and step.startswith(("constrained-", "literal[", "tuple[", "bool"))
 
 
@@ -183,14 +183,14 @@ def _key_path(location: tuple[Any, ...], data: Any) -> str:
 
 
 def _meant(error: Any, table: type[pydantic.BaseModel]) -> KeyPath:
-    """The place of the valid key that an unknown one stands for; that of the unknown key itself where none is near."""
+    """Place of the valid key nearest to an unknown key; place of the unknown key itself where no valid key is near."""
     *parents, key = error["loc"]
     hint = re.fullmatch(r'did you mean "(.*)"\?', nearest(str(key), _keys(_table_at(table, parents))))
     return (*parents, hint[1] if hint else key)
 
 
 def _valid_keys(key: str, table: type[pydantic.BaseModel], told: set[str] | None) -> str:
-    """The valid key that is nearest to an unknown one, or all of them; unless told before, each with its meaning on a line of its own."""
+    """Hint for an unknown key: the nearest valid key, or all valid keys. A list not in `told` gives each key a line with its meaning."""
     if key in _NOT_IN_A_SCENE:
         return _NOT_IN_A_SCENE[key]
     keys = _keys(table)
@@ -203,7 +203,7 @@ def _valid_keys(key: str, table: type[pydantic.BaseModel], told: set[str] | None
 
 
 def _keys(table: type[pydantic.BaseModel]) -> dict[str, Any]:
-    """Fields of a table by the keys that a file spells."""
+    """Fields of a table by their keys in a file."""
     return {field.alias or name: field for name, field in table.model_fields.items()}
 
 
@@ -214,9 +214,9 @@ def _meaning(field: Any) -> str:
 
 
 def _wanted(table: type[pydantic.BaseModel], location: tuple[Any, ...]) -> str:
-    """What a missing key must hold: the words among which to choose, and its meaning."""
+    """Hint for a missing key: the words to choose from, and its meaning."""
     *parents, key = location
-    if isinstance(key, int):  # an entry of an array: what the array holds
+    if isinstance(key, int):  # an entry of an array has the hint of the array
         return _wanted(table, tuple(parents))
     field = _keys(_table_at(table, parents)).get(str(key))
     if field is None:
@@ -226,7 +226,7 @@ def _wanted(table: type[pydantic.BaseModel], location: tuple[Any, ...]) -> str:
 
 
 def _words(annotation: Any) -> Iterator[str]:
-    """The words that a key may hold."""
+    """The words that are valid values of a key."""
     if get_origin(annotation) is Literal:
         yield from (word for word in get_args(annotation) if isinstance(word, str))
     elif get_origin(annotation) in (Union, types.UnionType):
@@ -239,7 +239,7 @@ def _table_at(table: type[pydantic.BaseModel], parents: list[Any]) -> type[pydan
     for step in parents:
         if not isinstance(step, int):
             field = _keys(table).get(step)
-            table = (field and table_of(field.annotation)) or pydantic.BaseModel  # a table of free keys has none of its own
+            table = (field and table_of(field.annotation)) or pydantic.BaseModel  # a table of free keys has no class
     return table
 
 

@@ -1,6 +1,6 @@
 """Scenes made in code: from tables with the keys of a scene file, or from another scene with some of its keys changed.
 
-Both write the scene as TOML and read it like a file, so that one schema checks all scenes and their results can be
+Both ways write the scene as TOML and read it like a file, so that one schema checks all scenes and their results can be
 stored.
 """
 
@@ -27,12 +27,12 @@ from la_core.scene.schema.scene_file import Expected, SceneFile
 from la_core.scene.shipped import load
 from la_core.scene.validation import as_scene_error
 
-# These may change without a new expected value, and so may the settings in [yade] that limit analysis does not read.
+# A change of these keys, or of settings in [yade] that limit analysis does not read, keeps the expected values.
 KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "expected")
 ASSOCIATED = ("associated_reaction_over_weight", "associated_multiplier")  # expected values that nearly every change makes wrong
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 DEEPEST = 20  # tables and arrays within each other: a scene needs eight
-LONGEST_TITLE = 120  # characters of a title made so
+LONGEST_TITLE = 120  # characters of a title made from changes
 EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}
 FULL_SUFFIX = "_full"
 
@@ -43,7 +43,7 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     Parameters
     ----------
     tables : mapping of str to Any
-        Tables as `tomllib` reads them from a file; SI units. NumPy arrays and tuples may stand for lists.
+        Tables as `tomllib` reads them from a file; SI units. NumPy arrays and tuples may replace lists.
     name : str
         Name of the scene and of its folder of results.
     folder : Path or str
@@ -98,10 +98,10 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
 
     Notes
     -----
-    The title gets the changes appended, unless `changes` has a title. `source` and [expected] speak of the original scene: they are
-    deleted unless `changes` has new ones, or changes nothing but words, `accuracy`, `effort` and settings in [yade] that do not change
-    limit analysis. A change that names one expected value keeps the others, but those by the associated flow rule, which it has to name,
-    too.
+    The changes are appended to the title, unless `changes` has a title. `source` and [expected] belong to the original scene. They are
+    deleted, unless `changes` gives new ones, or affects only words, `accuracy`, `effort` and settings in [yade] that do not change limit
+    analysis. A change of one expected value keeps the others, except those by the associated flow rule: each of these is deleted unless
+    `changes` names it, too.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
 
 
 def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene:
-    """The scene with changed keys that do not affect its structure; its title and its expected value stay.
+    """The scene with changed keys that do not affect its structure; its title and its expected values stay.
 
     Parameters and errors are those of `variant`, but `name` is required.
     """
@@ -134,9 +134,10 @@ def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene
 
 
 def full_model(scene: Scene) -> Scene:
-    """The scene with every effect modelled, named with FULL_SUFFIX; a requested associated or no-sliding law stays.
+    """The scene with every effect modelled, and with FULL_SUFFIX in its name.
 
-    So do rotations: they decide for which settlements the answer is.
+    A requested associated or no-sliding law stays. The requested rotations stay, too, because they decide at which settlements the
+    answer is stated.
     """
     law, rotation = scene.effects.friction, scene.effects.rotation
     effects = EVERY_EFFECT | {"rotation": rotation} | ({"friction": law} if law in ("associated", "none-slides") else {})
@@ -144,7 +145,7 @@ def full_model(scene: Scene) -> Scene:
 
 
 def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> Scene:
-    """A scene of plain tables; messages name `where`, else its file. Its path is absolute: the program may go to another folder."""
+    """A scene from plain tables; messages name `where`, or else its file. Its path is absolute: the working directory may change."""
     if not isinstance(name, str):
         raise SceneError("name", "must be a text", value=name)
     made = scene_of_text(tomli_w.dumps(tables), folder / f"{name}.toml", name, where=where)
@@ -154,8 +155,9 @@ def _built(tables: dict[str, Any], name: str, folder: Path, where: str = "") -> 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    Source and expected values speak of one structure: both are removed where its answer by limit analysis may change, unless `changes`
-    names them. A change that names one expected value keeps the others, but those by the associated flow rule, which it has to name, too.
+    Source and expected values belong to one structure. Both are removed where its answer by limit analysis may change, unless `changes`
+    names them. A change of one expected value keeps the others, except those by the associated flow rule: each of these is removed
+    unless `changes` names it, too.
 
     Parameters
     ----------
@@ -164,7 +166,7 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
     changes : mapping
         New value by dotted key; None removes the key.
     where : Path or str
-        Scene file, or words for a scene without one, that messages name.
+        Name of the scene in messages: its file, or words for a scene without a file.
     """
     _refuse_overwritten(list(changes))
     before = _whole(tables, where)
@@ -191,13 +193,13 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
 
 
 def _deciding(whole: dict[str, Any]) -> dict[str, Any]:
-    """What the answer of limit analysis, and so source and expected values, rest on."""
+    """The tables and settings that decide the answer of limit analysis, and so the validity of source and expected values."""
     shared = {name: value for name, value in whole["yade"].items() if name in SHARED_SETTINGS}
     return {table: content for table, content in whole.items() if table not in KEEP_EXPECTED} | {"yade": shared}
 
 
 def _refuse_overwritten(keys: list[str]) -> None:
-    """Raise SceneError for a key whose table a later key sets as a whole: its value would be lost without a word."""
+    """Raise SceneError for a key whose table a later key sets as a whole: its value would be lost silently."""
     paths = [key_paths.steps(key) for key in keys]
     for later, path in enumerate(paths):
         for earlier, part in enumerate(paths[:later]):
@@ -214,7 +216,7 @@ def _whole(tables: dict[str, Any], where: Path | str) -> dict[str, Any]:
 
 
 def _name_of(key: str, value: Any) -> str:
-    """A change as text that can be part of a folder's name; a digest tells values apart that such a text cannot show."""
+    """A change as part of a folder's name; a digest distinguishes values that such a name cannot show."""
     is_row = isinstance(value, list) and all(isinstance(item, int | float) for item in value)
     words = f"{key}={'_'.join(map(str, value)) if is_row else value}"
     safe = re.sub(r"[^\w.+=-]", "", words)
@@ -223,12 +225,12 @@ def _name_of(key: str, value: Any) -> str:
 
 
 def _shortened(name: str) -> str:
-    """A name of at most LONGEST_NAME characters; a digest keeps two long ones apart."""
+    """A name of at most LONGEST_NAME characters; a digest distinguishes long names."""
     return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 9]}-{_digest(name)}"
 
 
 def _digest(text: str) -> str:
-    """Eight letters that stand for a text."""
+    """The first eight hexadecimal digits of a text's SHA-256."""
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 

@@ -9,9 +9,9 @@ from la_core.errors import SceneError
 from la_core.scene.schema.masonry import ROUND, Opening
 
 CROWN = 0.5  # of an arch's thickness: least height of the key above the intrados
-WITHIN = 0.9  # of half the key's width: radial joints that end farther out would leave a sliver, so equal parts take their place
+WITHIN = 0.9  # of half the key's width: where a radial joint ends farther out, the key has equal parts, because a sliver would be left
 Span = tuple[float, float]  # from, to along the wall, m
-Cut = tuple[Span, Span]  # what an arch takes out of a course: at the foot of the course and at its head
+Cut = tuple[Span, Span]  # stretches of a course that an arch takes up: at the foot and at the head of the course
 Corner = tuple[float, float]  # along the wall and above its foot, m
 
 
@@ -22,7 +22,7 @@ class ArchedHead:
     Attributes
     ----------
     cuts : dict of int to Cut
-        What the arch takes out of each course that it crosses.
+        Stretches that the arch takes up in each course that it crosses.
     voussoirs : tuple of tuples of Corner
         Profiles of the voussoirs from left to right, m.
     """
@@ -52,7 +52,7 @@ class _Outline:
 
 
 def arched_head(where: str, lines: Sequence[float], springing: int, opening: Opening) -> ArchedHead:
-    """The arch over an opening, whose top is the course line `springing`.
+    """The arch over an opening. The top of the opening is the course line `springing`.
 
     The intrados is a part of a circle. The joints are radial, and their outer ends lie on the course lines that the arch crosses. The top
     of the key lies on the line above, and its sides are upright in that course. The first joint of a semicircle is level. That of a flatter

@@ -1,4 +1,4 @@
-"""Arches and barrel vaults: rings of straight-sided voussoirs in the xz plane, drawn out along y, and turned in plan.
+"""Arches and barrel vaults: rings of straight-sided voussoirs in the xz plane, extruded along y, and turned in plan.
 
 The joints of a ring stand at equal lengths along its inner face: a circle, a pointed arch, an ellipse or a basket arch.
 """
@@ -157,7 +157,7 @@ def _right_half(ring: Ring) -> tuple[Callable[[float], Station], float]:
     if ring.shape == "circular":
         radius = (a**2 + b**2) / (2.0 * b)
         return _along([_Arc((0.0, b - radius), radius, 0.0, math.atan2(a, radius - b))])
-    small = (b - (2.0 - math.sqrt(3.0)) * a) / (math.sqrt(3.0) - 1.0)  # three sixths of a circle that touch each other with one tangent
+    small = (b - (2.0 - math.sqrt(3.0)) * a) / (math.sqrt(3.0) - 1.0)  # three arcs of 60 degrees with common tangents
     great = 2.0 * a - small
     turn = math.pi / 6.0
     return _along([_Arc((0.0, b - great), great, 0.0, turn), _Arc((a - small, 0.0), small, turn, math.pi / 2.0)])

@@ -91,7 +91,7 @@ def _lines(building: Building) -> list[Line]:
 
 
 def _placed(building: Building, line: Line, flat: Shape) -> Shape:
-    """A solid of a wall along x from the origin, in its place; a wall along y is one along x after a quarter turn about z."""
+    """Move the solid of a wall along x from the origin to its place; the solid of a wall along y is first turned about z by 90 degrees."""
     thickness = building.block[1]
 
     def motion(points: np.ndarray) -> np.ndarray:

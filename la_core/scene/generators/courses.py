@@ -123,7 +123,7 @@ class Face:
         return first, past
 
     def _line_at(self, z: float, where: str, corners: object) -> int:
-        """Number of the course line at a height; one beyond the wall's where the height is; raises SceneError between lines."""
+        """Number of the course line at a height (m); -1 below the wall, number of courses above it; raises SceneError between lines."""
         step = self.lines[1]
         if abs(z - self.lines[-1]) > ON_LINE * step and not self.lines[0] - ON_LINE * step <= z <= self.lines[-1]:
             return -1 if z < 0.0 else self.courses
@@ -137,12 +137,12 @@ class Face:
         raise SceneError(where, f"bottom and top must lie on course lines, {rule}", value=corners)
 
     def _inner(self, course: int) -> Span:
-        """Stretch of a course over its whole height, m; empty at the apex of a gable."""
+        """Stretch along the wall that a course fills over its whole height, m; empty at the apex of a gable."""
         (start, end), (top_start, top_end) = self.ends[course : course + 2]
         return max(start, top_start), min(end, top_end)
 
     def _ended(self, course: int, plain: list[Piece]) -> list[Piece]:
-        """The pieces of a course, the first and the last with the ends of the wall, which may lean."""
+        """The pieces of a course, with the first and the last piece extended to the ends of the wall, which may lean."""
         low, high = self._inner(course)
         foot, head = self.ends[course : course + 2]
         near = ON_LINE * self.block
@@ -156,7 +156,7 @@ class Face:
         return ended
 
     def _skewed(self, plain: list[Piece], cut: Cut) -> list[Piece]:
-        """The pieces of a course with the sides of an arch as the ends of the two pieces beside it."""
+        """The pieces of a course, with the two pieces beside an arch cut along the sides of the arch."""
         low, high = _outer(cut)
         near = ON_LINE * self.block
         skewed, sides = [], 0
@@ -182,7 +182,7 @@ class Face:
                 raise SceneError(f"{self.where}: opening", rule, value=(opening.from_, opening.to))
 
     def _head_span(self, opening: Opening) -> Span:
-        """Span of the head of an opening in its course, m; a lintel ends with the wall."""
+        """Span of the head of an opening in its course, m; a lintel does not extend beyond the wall."""
         low, high = opening.from_[0] - opening.bearing, opening.to[0] + opening.bearing
         return (max(0.0, low), min(self.total, high)) if opening.head == "lintel" else (low, high)
 

@@ -39,7 +39,7 @@ def dome_blocks(dome: Dome) -> Iterator[NamedShape]:
 def _beds(dome: Dome) -> np.ndarray:
     """Corners (courses + 1, lunes + 1, 2, 3) of the bed joints, m: bed from the crown, meridian, intrados or extrados.
 
-    A keystone has flat faces; where it closes the crown, the first bed is a point on its axis.
+    A keystone has flat faces. Where it closes the crown, the corners of the first bed are the centres of these faces.
     """
     radii = dome.radius + dome.thickness * np.array([-0.5, 0.5])
     phi = np.radians(np.linspace(dome.oculus, dome.embrace, dome.courses + 1))[:, None]

@@ -1,4 +1,4 @@
-"""Blocks of a `[[drawing]]` table, and what was left out of the drawing."""
+"""Blocks of a `[[drawing]]` table, and a record of the outlines and lines that are left out."""
 
 import importlib.util
 from collections.abc import Iterable
@@ -34,34 +34,34 @@ from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 from la_core.text_table import place_text
 
 LAYER, COLOUR = "layer:", "colour:"
-IN_OPENINGS = 0.8  # of its area: an outline with more of it in openings is no block, but a pane or a frame
-TOLD, REFUSED = 0.1, 0.5  # of an opening's area: blocks that stay whole cover so much of it
+IN_OPENINGS = 0.8  # of the area of an outline: an outline with a larger part in openings is a pane or a frame, and no block
+TOLD, REFUSED = 0.1, 0.5  # of an opening's area: a larger part under blocks brings a warning, or an error
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
 
 @dataclass(frozen=True)
 class DrawnBlocks:
-    """What became of the outlines of a drawing.
+    """Record of a drawing: outlines that became blocks, were changed or were left out.
 
     Attributes
     ----------
     file : str
         Path of the drawing.
     unit : float
-        Its unit, m.
+        Unit of the drawing, m.
     blocks, compounds : int
-        Blocks in all, and those that are not convex.
+        Number of blocks, and number of blocks that are not convex.
     openings : int
-        Outlines in which nothing is built.
+        Number of outlines in which nothing is built.
     doubles, specks, loose_lines, straightened, in_openings : int
-        Outlines drawn twice, outlines without area, lines that enclose nothing, outlines that are convex within the
-        tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
+        Numbers of outlines drawn twice, outlines without area, lines that enclose nothing, outlines made convex within the
+        tolerance, and outlines that lie in an opening. All but the straightened outlines are left out.
     open_outlines : tuple of OpenOutline
-        Those of the loose lines that were meant to be outlines, where the structure stands.
+        Loose lines that were probably meant to be outlines, with their places in the scene.
     stray_lines : tuple of LayerCount
-        Those of the loose lines that lie in blocks.
+        Loose lines that lie in blocks.
     around : tuple of LayerCount
-        Outlines around others, which are left out.
+        Outlines that are left out because other outlines lie within them.
     across : tuple of LayerCount
         Lines that divide blocks of other layers.
     covered : tuple of LayerCount
@@ -69,7 +69,7 @@ class DrawnBlocks:
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
     loose_edges : tuple of LayerCount
-        Those of the loose lines that may be edges of stones: both their ends meet other lines, or nearly do.
+        Loose lines that may be edges of stones: both ends meet other lines, or nearly meet them.
     areas_without_block : tuple of LayerCount
         Areas that lines and outlines enclose together, and that are no blocks.
     shared_areas : tuple of SharedAreas
@@ -97,11 +97,11 @@ class DrawnBlocks:
     shared_areas: tuple[SharedAreas, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as plain values."""
+        """The record as plain values."""
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what may be read in another way than it is meant, see `remarks`, and on what the file does not hold."""
+        """Warnings about outlines and lines that may be misread, see `remarks`, and about stones that are not read or are elsewhere."""
         left_out = (self.stray_lines, self.around, self.across, self.covered)
         told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block, self.shared_areas)
         return tuple(f'drawing "{self.file}": {words}.' for words in (*told, *lacking_words(self.ignored)))
@@ -128,7 +128,7 @@ def read_drawing(table: Drawing, folder: Path) -> MeshFile:
 
 
 def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[list[NamedShape], DrawnBlocks]:
-    """Blocks of a drawing from the content of its file; raises SceneError with the file and the fault.
+    """Blocks of a drawing from the content of its file, and the record of the drawing; raises SceneError with the file and the fault.
 
     tolerance: largest error of the coordinates, m; 0 for none.
     """
@@ -169,13 +169,13 @@ def _read(table: Drawing, file: MeshFile, tolerance: float) -> tuple[Drawn, Clea
 
 
 def why_none_is_free(table: Drawing, file: MeshFile, tolerance: float) -> str:
-    """Why a drawing that can be read holds no free block, as a hint; parameters as of `drawing_blocks`."""
+    """Hint with the reason why a readable drawing has no free block; parameters as of `drawing_blocks`."""
     drawn, clean = _read(table, file, tolerance)
     return f"{_at(table)}: {why_none(clean, drawn, _taken_words(table, drawn))}"
 
 
 def _taken_words(table: Drawing, drawn: Drawn) -> str:
-    """How many outlines and lines the lists take that hold no free blocks; "" where they take none."""
+    """Words for the number of outlines and lines on layers of other lists than `blocks`, or of no list; "" without any."""
     told = []
     named = {place: _naming_list(table, place) for place in drawn.places}
     for key in ("", *(key for key in LISTS if key != "blocks")):
@@ -188,7 +188,7 @@ def _taken_words(table: Drawing, drawn: Drawn) -> str:
 
 
 def _shifted(left_out: tuple[Any, ...], table: Drawing) -> tuple[Any, ...]:
-    """What is left out, with its places where the structure stands."""
+    """Counts of left-out outlines and lines, with their places moved by the `shift` of the table."""
     return tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in left_out)
 
 
@@ -197,7 +197,10 @@ def _at(table: Drawing) -> str:
 
 
 def _names(patterns: Iterable[str], place: tuple[str, str]) -> bool:
-    """Whether a pattern names the layer, or with COLOUR before it the colour, of a place in the drawing; LAYER may stand before a layer."""
+    """Whether a pattern names a place (layer, colour) in the drawing: by its colour after the prefix COLOUR, else by its layer.
+
+    A pattern for a layer may have the prefix LAYER.
+    """
     layer, colour = place
     return any(fnmatchcase(colour, p.removeprefix(COLOUR)) if p.startswith(COLOUR) else _names_layer(p, layer) for p in patterns)
 
@@ -236,7 +239,7 @@ def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
 
 
 def _covered(table: Drawing, blocks: list[Outline], openings: list[Outline]) -> tuple[LayerCount, ...]:
-    """Openings that blocks cover in part, by layer; raises SceneError for one that mostly lies in blocks: it would be built solid."""
+    """Openings that blocks cover in part, by layer; raises SceneError for an opening mostly in blocks, which would be built solid."""
     if not openings or not blocks:
         return ()
     stones, holes = _polygons(blocks), _polygons(openings)

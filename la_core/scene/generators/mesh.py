@@ -1,4 +1,4 @@
-"""Imported bodies: a `[[mesh]]` table becomes the same blocks a user could have typed."""
+"""Blocks of a `[[mesh]]` table from imported bodies, identical to blocks that a user types one by one."""
 
 import importlib.util
 from collections.abc import Iterator
@@ -130,7 +130,7 @@ def _rotation(mesh: Mesh) -> np.ndarray:
 
 
 def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:
-    """Role of every body by the patterns; a body that its file marks as held is fixed, unless a pattern makes it a support."""
+    """Role of every body by the patterns. A body marked as held in its file is fixed, unless a pattern makes it a support."""
     names = [body.name for body in bodies]
     matched = {"fixed": [False] * len(names), "support": [False] * len(names)}
     for role, patterns in (("fixed", mesh.fixed), ("support", mesh.support)):

@@ -18,7 +18,7 @@ from la_core.errors import words_of
 from la_core.scene.generators.mesh_surface import Surface, surface
 
 _AS_OBJ = "write its blocks as OBJ, each as an object of its own"
-_PLY_NUMBERS = {  # of the format's types, the codes of `struct`
+_PLY_NUMBERS = {  # codes of `struct` for the types of the format
     "char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d",
     "int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I", "float32": "f", "float64": "d",
 }  # fmt: skip
@@ -39,7 +39,7 @@ def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
 
 
 def _text(content: bytes) -> str:
-    """The content of a text file: UTF-16 with its mark, else UTF-8; other lines are in the code page of older programs for Windows."""
+    """Decode a text file: UTF-16 with its byte order mark, else UTF-8. A line that is not UTF-8 is read as Windows-1252."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16", errors="replace")
     try:
@@ -105,9 +105,9 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
             content = _text(content).encode()
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
         bodies = {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
-    except ImportError as error:  # trimesh takes bytes that are no STL for text in an unknown encoding, and has no package for that
+    except ImportError as error:  # trimesh takes invalid STL for text in an unknown encoding, and lacks the package for that
         raise ValueError(f"not a whole {suffix[1:].upper()} file: it is cut off, or damaged") from error
-    except Exception as error:  # any error of a reader of foreign bytes
+    except Exception as error:  # the reader may raise any error for invalid bytes
         raise ValueError(f"not a whole {suffix[1:].upper()} file: {error or type(error).__name__}") from error
     for vertices, faces in bodies.values():
         if faces and not 0 <= min(map(min, faces)) <= max(map(max, faces)) < len(vertices):
@@ -116,9 +116,9 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
 
 
 def _ply_in_text(content: bytes) -> bytes:
-    """A PLY file in text, without comments: trimesh reads faces of different numbers of corners only in text.
+    """Turn a PLY file into text without comments: trimesh reads faces with different numbers of corners only from text.
 
-    Raises ValueError where the bytes of a binary file are fewer or more than its head says.
+    Raises ValueError where a binary file has fewer or more bytes than its head says.
     """
     head, end, body = content.partition(b"end_header")
     form = re.search(rb"^format\s+(ascii|binary_little_endian|binary_big_endian)\b", head, re.MULTILINE)
@@ -175,8 +175,8 @@ def _ply_elements(head: list[bytes]) -> list[tuple[int, list[tuple[str, str]]]]:
 def _vertices_and_faces(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
     """Vertices (n, 3) of a mesh by trimesh, and the loop of each face.
 
-    The faces of a PLY file are those of the file. trimesh divides them into triangles about their first corners, which lie partly outside
-    of a face with dents.
+    The faces of a PLY file are taken from the file itself. trimesh divides a face into triangles about its first corner. In a face with
+    dents, parts of these triangles lie outside the face.
     """
     vertices, triangles = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)
     raw = mesh.metadata.get("_ply_raw")
@@ -184,18 +184,18 @@ def _vertices_and_faces(mesh: Any) -> tuple[np.ndarray, list[list[int]]]:
         return vertices, triangles.tolist()
     faces = raw["face"]["data"]
     loops = faces[next((name for name in faces if name in ("vertex_index", "vertex_indices")), next(iter(faces)))]
-    if loops.dtype != object:  # lists of one length; of a single list, trimesh keeps its numbers alone
+    if loops.dtype != object:  # all lists have one length; trimesh flattens a single list
         loops = np.atleast_2d(loops)
     vertices = np.column_stack([raw["vertex"]["data"][axis] for axis in "xyz"]).astype(float)
     return vertices, [loop.tolist() for loop in loops if len(loop) >= 3]
 
 
 class _NotReadError(ValueError):
-    """A file by COMPAS has something that would change its blocks."""
+    """Error for a file by COMPAS with data that would change its blocks and are not read."""
 
 
 def _compas_surfaces(content: bytes) -> list[Surface]:
-    """Blocks of a file by COMPAS; the number of a block in the file is its name, where it has none of its own."""
+    """Blocks of a file by COMPAS. A block without a name, or with a name that other blocks have, is named by its key in the file."""
     try:
         named = [
             (str(key), *_compas_mesh(block), bool(marks.get("is_support"))) for key, block, marks in _compas_blocks(json.loads(content))
@@ -244,20 +244,20 @@ def _compas_blocks(content: Any) -> Iterator[tuple[Any, dict[str, Any], dict[str
 
 
 def _is_placed(frame: dict[str, Any]) -> bool:
-    """Whether the frame of an element is another one than that of the model: earlier versions of compas_model placed elements by it."""
+    """Whether the frame of an element differs from that of the model; earlier versions of compas_model placed elements by frames."""
     world = {"point": [0.0, 0.0, 0.0], "xaxis": [1.0, 0.0, 0.0], "yaxis": [0.0, 1.0, 0.0]}
     return any(not np.allclose(np.array(frame.get(key, axis), dtype=float), axis, rtol=0.0) for key, axis in world.items())
 
 
 def _unwrapped(value: dict[str, Any]) -> dict[str, Any]:
-    """The data of an object that COMPAS wraps as {"dtype": ..., "data": ...}; version 1 names the second "value", and may wrap twice."""
+    """The data of an object that COMPAS wraps as {"dtype": ..., "data": ...}; version 1 writes "value" for "data", and may wrap twice."""
     while "dtype" in value or "datatype" in value:
         value = value["data"] if "data" in value else value["value"]
     return dict(value)
 
 
 def _compas_mesh(block: dict[str, Any]) -> tuple[str, np.ndarray, list[list[int]]]:
-    """Name (or ""), vertices and faces of a mesh; the keys of vertices are texts, which a face may give as numbers."""
+    """Name (or ""), vertices and faces of a mesh. The keys of vertices are texts, but a face may give them as numbers."""
     mesh = _unwrapped(block)
     place = {str(key): number for number, key in enumerate(mesh["vertex"])}
     default = mesh.get("default_vertex_attributes") or mesh.get("dva") or {}

@@ -20,11 +20,11 @@ from la_core.text_table import place_text
 
 WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
 MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
-MOST_PROFILE = 100  # corners of a profile with dents: to divide it into convex parts takes a second, and eight for twice as many
-MOST_DENT = 0.02  # m: an error of the coordinates is smaller
-STRAIGHT = (1e-9, 1e-6, 1e-5, FACE_FLATNESS)  # of the size: corners this close to a line lie on it; the least one that will do is taken
-NEAR_END = 6.0  # over the tolerance: corners this close to the outermost one belong to its end, for the plane of a triangle is inexact
-FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
+MOST_PROFILE = 100  # corners of a profile with dents: its division into convex parts takes a second, or eight for twice as many corners
+MOST_DENT = 0.02  # m: errors of coordinates are smaller
+STRAIGHT = (1e-9, 1e-6, 1e-5, FACE_FLATNESS)  # of the size: corners this close to a line lie on it; the least value that works is taken
+NEAR_END = 6.0  # over the tolerance: corners this close to the outermost corner belong to its end, as a triangle's plane is inexact
+FOLDED = 1e-2  # of the hull's volume: largest difference between the volumes of a surface on its hull and of the hull
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Surface:
 
 
 def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], held: bool = False) -> Surface:
-    """Make a surface of faces and of those vertices that they use.
+    """Make a surface from faces and the vertices that the faces use.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], hel
 def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
     """Turn a surface into a convex shape with plane faces, or into a compound where it is a prism of a profile with dents.
 
-    Dents of no more than the tolerance (m) are filled; the second value says whether there were any.
+    Dents no deeper than the tolerance (m) are filled; the second value says whether dents were filled.
 
     Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
     """
@@ -102,7 +102,7 @@ def shape_of(body: Surface, tolerance: float = 0.0) -> tuple[Shape, bool]:
 
 
 def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """Vertices with near ones merged, triangles (T, 3), and faces without the corners that repeat the one before."""
+    """Vertices with near vertices merged, triangles (T, 3), and faces without equal corners in a row."""
     points, number = np.unique(body.vertices, axis=0, return_inverse=True)
     if len(points) > MOST_CORNERS:
         raise ValueError(f"has {len(points)} corners; simplify it to the plane faces of a block, with at most {MOST_CORNERS} corners")
@@ -117,7 +117,7 @@ def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
 
 
 def _once(faces: list[np.ndarray]) -> list[np.ndarray]:
-    """The faces, or the first of each where the file has every face several times."""
+    """The faces; each face once where the file has every face several times."""
     first: dict[tuple[int, ...], np.ndarray] = {}
     count: Counter[tuple[int, ...]] = Counter()
     for face in faces:
@@ -158,7 +158,7 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
 def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> float:
     """Depth (m) of a closed surface's deepest dent; raises ValueError where it is deeper than the tolerance (m), or the surface is folded.
 
-    The vertices, edges and triangles of a convex surface lie on its convex hull, and it encloses the hull's volume.
+    The vertices, edges and triangles of a convex surface lie on its convex hull, and the surface encloses the hull's volume.
     """
     centre, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
     points = (vertices - centre) / size
@@ -179,7 +179,7 @@ def _deepest_dent(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
 
 
 def _exact_or_surveyed_prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float) -> Shape | None:
-    """The body as a prism: an exact one keeps all corners of its curves, and one that is right to the tolerance (m) loses some."""
+    """The body as a prism, else None. An exact prism keeps all corners of its curves; a prism within the tolerance (m) loses some."""
     with suppress(ValueError):  # an outline that cannot be divided
         if tolerance > 0.0 and (exact := _prism(vertices, triangles, faces)) is not None:
             return exact
@@ -187,10 +187,10 @@ def _exact_or_surveyed_prism(vertices: np.ndarray, triangles: np.ndarray, faces:
 
 
 def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float = 0.0) -> Shape | None:
-    """The body as a prism: faces in two parallel planes fill the same outline without holes, and all other corners lie around it.
+    """The body as a prism, else None: faces in two parallel planes fill the same outline without holes; other corners lie on its edges.
 
-    tolerance: largest error of the coordinates, m. A corner of an end lies within twice this distance of the plane that fits the ends
-    best, and of the corner at the other end, because both may be off by it.
+    tolerance: largest error of the coordinates, m. A corner of an end lies within twice the tolerance of the plane that fits the ends
+    best, and of the corner at the other end, because both may be wrong by the tolerance.
     """
     flat_within = FACE_FLATNESS * float(np.ptp(vertices, axis=0).max())
     slack = max(flat_within, 2.0 * tolerance)
@@ -205,12 +205,12 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
         flat = vertices @ axes.T
         on_ends = [np.abs(height[triangles] - at).max(axis=1) <= slack for at in (high, low)]
         enclosed = [abs(float((area[on_end] @ normal).sum())) / 2.0 * (high - low) for on_end in on_ends]
-        if np.abs(np.subtract(enclosed, volume)).max() > FOLDED * volume + tolerance * surface:  # this alone tells most planes
+        if np.abs(np.subtract(enclosed, volume)).max() > FOLDED * volume + tolerance * surface:  # this check alone excludes most planes
             continue
         ends = [_outline(flat, [face for face in faces if np.abs(height[face] - at).max() <= slack]) for at in (high, low)]
         if any(end.is_empty for end in ends):
             continue
-        # What the sides enclose between the ends is held against the ends: their corners may be off by the slack, and nothing else.
+        # The volume between the ends must equal that of the body. Only the corners of the ends may be wrong, by up to the slack.
         filled = (high - low) * shapely.area(ends)
         if np.abs(filled - volume).max() > min(FOLDED * volume, flat_within * surface) + tolerance * surface:
             continue
@@ -224,14 +224,14 @@ def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray],
 
 
 def _ends(vertices: np.ndarray, normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, float, float]:
-    """Unit normal (3,) of two ends, and their heights along it: of the outermost corners, or of the planes that fit inexact ends best.
+    """Unit normal (3,) of two ends, and their heights along it (m): of the outermost corners, or of best-fit planes of inexact ends.
 
-    normal: that of a triangle of an end, whose corners may be off by the tolerance (m).
+    normal: unit normal (3,) of a triangle of an end; its corners may be wrong by the tolerance (m).
     """
     height = vertices @ normal
     if tolerance == 0.0:
         return normal, float(height.min()), float(height.max())
-    for _ in range(2):  # the first fit tells better which corners belong to the ends
+    for _ in range(2):  # the first fit improves the choice of the corners of the ends
         on_ends = [np.abs(height - at) <= NEAR_END * tolerance for at in (height.min(), height.max())]
         beside = np.concatenate([vertices[on_end] - vertices[on_end].mean(axis=0) for on_end in on_ends])
         fitted = np.linalg.svd(beside, full_matrices=False)[2][-1]
@@ -242,7 +242,7 @@ def _ends(vertices: np.ndarray, normal: np.ndarray, tolerance: float) -> tuple[n
 
 
 def _mean_outline(ends: list[shapely.Polygon], tolerance: float) -> shapely.Polygon:
-    """The outline half way between those of two ends, without corners within the tolerance (m) of a line between others."""
+    """The outline half way between the outlines of two ends, without corners within the tolerance (m) of a line between other corners."""
     points, others = (shapely.get_coordinates(end.exterior)[:-1] for end in ends)
     distance, nearest = scipy.spatial.cKDTree(others).query(points)
     near = distance <= 2.0 * tolerance
@@ -254,8 +254,8 @@ def _mean_outline(ends: list[shapely.Polygon], tolerance: float) -> shapely.Poly
 def _divided(outline: shapely.Polygon, axes: np.ndarray, normal: np.ndarray, heights: tuple[float, float], slack: float) -> Shape:
     """The prism of an outline in the plane of two axes (2, 3) between two heights along their unit normal (3,), m.
 
-    Inexact coordinates bend straight edges inwards at their corners, from where no cut may lead. Where the outline cannot be divided, such
-    corners are left out, as long as it moves by no more than the slack, m.
+    Inexact coordinates make slight dents at corners of straight edges, and from such a dent no cut may lead. Where the outline cannot be
+    divided, these corners are left out, as long as the outline moves by no more than the slack, m.
     """
     points, (low, high) = shapely.get_coordinates(orient(outline).exterior)[:-1], heights
     fault = ValueError("the outline cannot be divided")
@@ -274,12 +274,12 @@ def _divided(outline: shapely.Polygon, axes: np.ndarray, normal: np.ndarray, hei
 
 
 def _outline(flat: np.ndarray, faces: list[np.ndarray]) -> shapely.Polygon:
-    """The polygon that faces of corners `flat` (n, 2) in a plane fill together; an empty one where they have holes, are apart, or cross.
+    """The polygon that faces in a plane fill together; empty where they have holes, are apart, or cross. flat: corners (n, 2), m.
 
-    Its edges are those that no other of the faces runs along the other way. No areas are united: round-off leaves holes between them, and
-    the triangles of a face with dents may lie outside of it, or have no area.
+    The edges of the polygon are the edges that belong to a single face. A union of areas is not used: round-off leaves holes between the
+    areas, and the triangles of a face with dents may lie outside the face, or have no area.
     """
-    if not faces:  # a face may leave the plane where some of its triangles do not
+    if not faces:  # a face may leave the plane although some of its triangles lie in it
         return shapely.Polygon()
     ends = np.stack([np.concatenate(faces), np.concatenate([np.roll(face, -1) for face in faces])], axis=1)
     rim = ends[~np.isin(ends @ [len(flat), 1], ends @ [1, len(flat)])]

@@ -1,4 +1,4 @@
-"""Profiles drawn out to solids between two faces that may lean, and solids turned in plan."""
+"""Profiles extruded between two faces that may lean, and solids turned in plan."""
 
 import math
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ QUARTER = {0: (1.0, 0.0), 1: (0.0, 1.0), 2: (-1.0, 0.0), 3: (0.0, -1.0)}  # cosi
 
 
 def leaning(profile: Sequence[Corner], foot: tuple[float, float], head: tuple[float, float], height: tuple[float, float]) -> Shape:
-    """Solid of a profile between a front and a back face that are plane and lean; a compound where the profile is not convex.
+    """Solid of a profile between a plane front face and a plane back face that may lean; a compound where the profile is not convex.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def leaning(profile: Sequence[Corner], foot: tuple[float, float], head: tuple[fl
         return prism(profile, foot)
 
     def lean(points: np.ndarray) -> np.ndarray:
-        """Points (..., 3) of an upright prism of unit depth, where they lie in the solid, m."""
+        """Positions (..., 3) in the solid, m, of points (..., 3) in an upright prism of unit depth."""
         share, side = (points[..., 2] - height[0]) / (height[1] - height[0]), points[..., 1]
         front, back = ((1.0 - share) * foot[k] + share * head[k] for k in (0, 1))
         return np.stack([points[..., 0], np.where(side == 0.0, front, back), points[..., 2]], axis=-1)

@@ -12,20 +12,20 @@ from la_core.scene.generators.placing import turned
 from la_core.scene.generators.wall import NamedShape, footing_blocks
 from la_core.scene.schema.rubble import Rubble
 
-EVEN = 3  # moves of all points to the middle of their cells, after which no stone is a splinter
+EVEN = 3  # moves of all points to the centroids of their cells (Lloyd's algorithm); after them no stone is a splinter
 MOST_MOVES = 200  # of the points beside short joints; two hundred stones need at most 60 for the longest joints that are allowed
-MARGIN = 1.02  # of the least length: moves aim beyond it, so that they end
+MARGIN = 1.02  # of the least length: moves aim at this greater length, so that they end
 ON_SIDE = 1e-9  # of the wall's size: corners this close to a side lie on it
 
 
 @dataclass(frozen=True)
 class _Diagram:
-    """Cells of N points in a rectangle, whose images in the four sides make the sides edges of the diagram.
+    """Voronoi cells of N points in a rectangle. Mirror images of the points in its sides make the sides edges of the diagram.
 
     Attributes
     ----------
     voronoi : Voronoi
-        Diagram of the points and then, side by side, of their images.
+        Diagram of the points, followed by their images in each side.
     points : (N, 2) array
         Points in stretched coordinates, m.
     size : (2,) array
@@ -47,7 +47,7 @@ class _Diagram:
         return cls(scipy.spatial.Voronoi(np.concatenate(images)), points, size)
 
     def cells(self) -> list[np.ndarray]:
-        """Corners (n, 2) of each point's cell, counter-clockwise, m; those on a side of the rectangle exactly so."""
+        """Corners (n, 2) of each point's cell, counter-clockwise, m; corners near a side of the rectangle are moved onto it."""
         corners = self.voronoi.vertices.copy()
         near = ON_SIDE * self.size.max()
         for axis in (0, 1):
@@ -61,7 +61,7 @@ class _Diagram:
         return cells
 
     def joints(self, stretch: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Edges of the points' cells: the points (J, 2) on both sides, the ends (J, 2), and the true lengths (J,), m."""
+        """Edges of the points' cells: points (J, 2) on both sides, corners (J, 2) at both ends, lengths (J,) without the stretch, m."""
         sites, ends = self.voronoi.ridge_points, np.array(self.voronoi.ridge_vertices)
         own = (sites < len(self.points)).any(axis=1)
         sites, ends = sites[own], ends[own]
@@ -69,9 +69,9 @@ class _Diagram:
         return sites, ends, length
 
     def moved(self, short: tuple[np.ndarray, np.ndarray, np.ndarray], least: float) -> np.ndarray:
-        """The points (N, 2) after a move that lengthens short edges: the points on both sides of an edge come nearer to each other.
+        """The points (N, 2) after a move that lengthens short edges: the points on both sides of an edge approach each other.
 
-        The points beyond its ends go apart. An image moves its own point.
+        The points beyond the ends of the edge move apart. The move of an image moves the point of that image.
         """
         count = len(self.points)
         beyond = self._sites_by_corner()

@@ -1,4 +1,4 @@
-"""Blocks of a `[[wall]]` table, the same as a user could have typed."""
+"""Blocks of a `[[wall]]` table, identical to blocks that a user types one by one."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -26,9 +26,9 @@ class NamedShape:
     shape : Shape
         Shape.
     added_density : float
-        Carried mass, such as a floor's, over the volume of the block, kg/m3.
+        Carried mass, such as that of a floor, over the volume of the block, kg/m3.
     joint : float
-        Greatest width of the open joints around the block, which are to be closed, m; 0 where they are drawn closed.
+        Greatest width of the open joints around the block that are to be closed, m; 0 where all joints are drawn closed.
     groups : tuple of str
         Groups by which other tables may choose the block, such as "layer:BRICK".
     made_convex : bool
@@ -67,7 +67,7 @@ def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
 
 
 def wall_face(wall: Wall) -> Face:
-    """The wall seen from its front: course lines, and where the wall begins and ends along each of them."""
+    """The wall seen from its front: course lines, and the start and end of the wall along each line."""
     heights = wall.heights or (wall.block[2],)
     lines = (
         [wall.block[2] * course for course in range(wall.courses + 1)]
@@ -147,7 +147,7 @@ def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, in
     spanning = [piece for piece in stretchers if _is_head(face, wall, course, piece)] if wall.leaves > 1 else []
     stretchers = [piece for piece in stretchers if piece not in spanning]
     if wall.headers_every and course % wall.headers_every == wall.headers_every - 1:
-        # A quarter of a block aside, so that no header's joint lies on a stretcher's.
+        # Headers are shifted by a quarter of a block, so that no joint of theirs lies on a joint between stretchers.
         headers = face.pieces(course, wall.block[0] / 4.0, (), wall.opening, pitch=0.5)
         headers = [piece for piece in headers if not _is_head(face, wall, course, piece)]
         tied = (course // wall.headers_every) % 2 if wall.leaves == 3 else 0

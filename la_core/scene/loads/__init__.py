@@ -1,1 +1,1 @@
-"""Dead loads and ties as forces on single blocks, and the friction of every joint, from the tables of a scene."""
+"""From the tables of a scene: dead loads and ties as forces on blocks, motions of supports, tilt, and the friction of every joint."""

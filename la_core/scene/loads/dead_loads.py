@@ -14,10 +14,10 @@ from la_core.scene.loads.top_faces import carried
 from la_core.scene.schema.loads import JointFriction, Load, Tie
 from la_core.scene.schema.scene_file import SceneFile
 
-Fault = tuple[tuple[str | int, ...], str]  # place in the file, and what is wrong there
-OF_GROUPS = ("layer:", "colour:")  # words before the name of a group of blocks, here those of a drawing
+Fault = tuple[tuple[str | int, ...], str]  # place in the file, and message
+OF_GROUPS = ("layer:", "colour:")  # prefixes of the names of groups: the layers and colours of a drawing
 BESIDE = 1e-3  # of the length of a line: round-off of typed coordinates
-GROUND = -1  # in place of a block, where the ground holds an end of a tie
+GROUND = -1  # index in place of a block where the ground holds an end of a tie
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -35,7 +35,7 @@ class Ties(Held):
     tension : (T,) array
         Tension, N.
     forces : PointForces
-        Their forces on blocks.
+        Forces of the ties on blocks.
     at_support : (T,) array of bool
         Whether an end is at a support.
     """
@@ -52,9 +52,9 @@ class Ties(Held):
 
 
 def chosen_by(blocks: Blocks, pattern: str) -> np.ndarray:
-    """Mask (B,) of the blocks that a pattern chooses, by their names or, behind a word such as `layer:`, by their groups.
+    """Mask (B,) of the blocks that a pattern chooses by their names, or by their groups if it begins with a prefix such as `layer:`.
 
-    A name that exists is that name, whatever characters it has.
+    A pattern equal to the name of a block chooses this block, even if the name contains characters such as `*`.
     """
     if pattern in blocks.names:
         return np.array([name == pattern for name in blocks.names])
@@ -65,7 +65,7 @@ def chosen_by(blocks: Blocks, pattern: str) -> np.ndarray:
 
 
 def not_there(pattern: str, kind: str, names: Sequence[str], groups_of: Sequence[tuple[str, ...]]) -> tuple[str, str]:
-    """What is wrong with a pattern that chooses no block of a kind, and the next step; names and groups are those of this kind."""
+    """Rule and hint for a pattern that chooses no block of a kind; `names` and `groups_of` belong to the blocks of this kind."""
     groups = sorted({group for own in groups_of for group in own})
     if pattern.startswith(OF_GROUPS):
         hint = nearest(pattern, groups, "layers and colours") if groups else "only blocks of a [[drawing]] have a layer or a colour"
@@ -76,7 +76,7 @@ def not_there(pattern: str, kind: str, names: Sequence[str], groups_of: Sequence
 
 
 def faults_of_loads(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
-    """Yield each load, tie or class of joints that names an unknown block, or that nothing can carry."""
+    """Yield a fault for each load, tie or class of joints that names an unknown block, and for each load or tie that cannot act."""
     for number, load in enumerate(file.load):
         yield from _told(("load", number), load.name, _fault_of_load(load, blocks))
     for number, tie in enumerate(file.tie):
@@ -94,7 +94,7 @@ def _told(place: tuple[str, int], name: str, fault: tuple[str, str, str] | None)
 
 
 def _unknown(pattern: str, blocks: Blocks, key: str, offered: np.ndarray | None = None) -> tuple[str, str, str] | None:
-    """Return the fault of a pattern that chooses no block; its hint offers only some blocks (B,), by default all."""
+    """Return the fault of a pattern that chooses no block, else None. offered: mask (B,) of blocks for the hint, by default all."""
     if chosen_by(blocks, pattern).any():
         return None
     some = np.arange(len(blocks)) if offered is None else np.flatnonzero(offered)
@@ -116,7 +116,7 @@ def _fault_of_load(load: Load, blocks: Blocks) -> tuple[str, str, str] | None:
 
 
 def _fault_of_faces(load: Load, blocks: Blocks, chosen: np.ndarray, key: str) -> tuple[str, str, str] | None:
-    """Return what is wrong with a load on the top faces of the chosen blocks (B,); key: by which the blocks were chosen."""
+    """Return the fault of a load on the top faces of the chosen blocks (B,), else None. key: key that chooses the blocks."""
     found = carried(blocks, chosen, _line(load))
     if not len(found.block):
         where = "from" if load.per == "m" else key
@@ -158,7 +158,7 @@ def chosen_blocks(load: Load, blocks: Blocks) -> np.ndarray:
 
 
 def load_forces(loads: tuple[Load, ...], blocks: Blocks, gravity: np.ndarray) -> PointForces:
-    """Forces of all loads, which must be without faults. gravity: acceleration (3,), m/s2."""
+    """Forces of all loads; the loads must have no faults. gravity: acceleration (3,), m/s2."""
     return PointForces.gather([_of_load(load, number, blocks, gravity) for number, load in enumerate(loads)])
 
 
@@ -180,7 +180,7 @@ def _line(load: Load) -> tuple[tuple[float, float], tuple[float, float]] | None:
 
 
 def lines_beside_blocks(loads: tuple[Load, ...], blocks: Blocks) -> Iterator[str]:
-    """Yield a warning for each load along a line of which a part lies over none of its blocks."""
+    """Yield a warning for each line load whose line lies only in part over the top faces of its blocks."""
     for load in loads:
         line = _line(load)
         if line is None:
@@ -192,7 +192,7 @@ def lines_beside_blocks(loads: tuple[Load, ...], blocks: Blocks) -> Iterator[str
 
 
 def ties_of(ties: tuple[Tie, ...], blocks: Blocks) -> Ties:
-    """The ties of a scene, which must be without faults; an end at a held block is in the ground."""
+    """The ties of a scene; they must have no faults. An end at a held block counts as an end in the ground."""
     ends = np.array([(tie.from_, tie.to) for tie in ties]).reshape(-1, 2, 3)
     tension = np.array([tie.force for tie in ties])
     named = [[blocks.names.index(name) for name in tie.blocks] for tie in ties]

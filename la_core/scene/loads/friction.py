@@ -1,4 +1,4 @@
-"""Friction of every joint: that of the scene, or of the last class of joints that it belongs to."""
+"""Friction of every joint, from the last class of joints that contains it, or else from [joint]."""
 
 import math
 
@@ -9,7 +9,7 @@ from la_core.geometry import Blocks, Interfaces
 from la_core.scene.loads.dead_loads import chosen_by
 from la_core.scene.schema.loads import JointFriction
 
-LEVEL = math.cos(math.radians(45.0)) * (1.0 - 1e-9)  # z of the normal of a bed joint, at least; a joint at 45 degrees is one
+LEVEL = math.cos(math.radians(45.0)) * (1.0 - 1e-9)  # least z of the normal of a bed joint; a joint at 45 degrees is a bed joint
 
 
 def friction_of_joints(rules: tuple[JointFriction, ...], common: float, blocks: Blocks, interfaces: Interfaces) -> np.ndarray:
@@ -18,13 +18,13 @@ def friction_of_joints(rules: tuple[JointFriction, ...], common: float, blocks: 
     Parameters
     ----------
     rules : tuple of JointFriction
-        Classes of joints; the last one that holds for a joint counts.
+        Classes of joints; the last class that contains a joint counts.
     common : float
-        Friction coefficient of the joints of no class.
+        Friction coefficient of joints without a class.
     blocks : Blocks
         Blocks of the scene, with their roles in the scene.
     interfaces : Interfaces
-        Interfaces between them.
+        Interfaces between the blocks.
     """
     friction = np.full(len(interfaces), common)
     for rule in rules:
@@ -33,7 +33,7 @@ def friction_of_joints(rules: tuple[JointFriction, ...], common: float, blocks: 
 
 
 def joints_per_class(rules: tuple[JointFriction, ...], blocks: Blocks, interfaces: Interfaces) -> list[int]:
-    """Number of interfaces whose friction each class gives; the parameters are those of `friction_of_joints`."""
+    """Number of interfaces that take their friction from each class; the parameters are those of `friction_of_joints`."""
     ruling = np.full(len(interfaces), -1)
     for number, rule in enumerate(rules):
         ruling[joints_of_rule(rule, blocks, interfaces)] = number
@@ -41,7 +41,7 @@ def joints_per_class(rules: tuple[JointFriction, ...], blocks: Blocks, interface
 
 
 def joints_of_rule(rule: JointFriction, blocks: Blocks, interfaces: Interfaces) -> np.ndarray:
-    """Mask (I,) of the interfaces that a class of joints holds for."""
+    """Mask (I,) of the interfaces in a class of joints."""
     a, b = interfaces.block_a, interfaces.block_b
     held = ~(blocks.free[a] & blocks.free[b])
     level = np.abs(interfaces.normal[:, 2]) >= LEVEL

@@ -1,4 +1,4 @@
-"""Constant forces at points of blocks: what loads and ties come to."""
+"""Constant forces at points of blocks, from loads and ties."""
 
 from dataclasses import dataclass
 
@@ -14,13 +14,13 @@ class PointForces:
     block : (N,) array of int
         Block of each force.
     point : (N, 3) array
-        Where it acts, m.
+        Point of application of each force, m.
     force : (N, 3) array
         Force, N.
     mass : (N,) array
-        Mass whose weight the force is, kg; 0 for any other force.
+        Mass of a force that is a weight, kg; 0 for any other force.
     table : (N,) array of int
-        Table of the scene that it comes from, counted from 0 among those of its kind.
+        Number of the [[load]] or [[tie]] table that gives each force, from 0.
     """
 
     block: np.ndarray
@@ -54,7 +54,7 @@ class PointForces:
         return wrenches
 
     def weight(self, count: int, down: np.ndarray) -> np.ndarray:
-        """Part of the forces along gravity on each of `count` blocks, N; a force that lifts counts as 0.
+        """Sum of the components along gravity of the forces on each of `count` blocks, N; a force that lifts counts as 0.
 
         down: unit vector (3,) of gravity.
         """

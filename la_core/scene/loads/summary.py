@@ -10,26 +10,26 @@ from la_core.scene.loads.dead_loads import GROUND, Ties
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.schema.loads import JointFriction
 
-MOST_NAMES = 12  # of supports that move alike
+MOST_NAMES = 12  # names of supports with the same motion
 
 
 def loads_as_dicts(loads: PointForces, names: Sequence[str]) -> list[dict[str, Any]]:
-    """Each load with its sum: `name`, `force` (3 components, N), `mass` (kg; None for a force), number of `blocks`, `point` of the sum (m).
+    """Each load: `name`, total `force` (3 components, N), `mass` (kg; None for a force), number of `blocks`, `point` of the resultant (m).
 
-    names: of the tables, in their order.
+    names: names of the [[load]] tables, in their order.
     """
     rows = []
     for number, name in enumerate(names):
         own = loads.table == number
         mass = float(loads.mass[own].sum())
         force = loads.force[own].sum(axis=0).tolist()
-        point = np.average(loads.point[own], axis=0, weights=np.abs(loads.force[own]).sum(axis=1)).tolist()  # they are parallel
+        point = np.average(loads.point[own], axis=0, weights=np.abs(loads.force[own]).sum(axis=1)).tolist()  # all are parallel
         rows.append({"name": name, "force": force, "mass": mass or None, "blocks": len(np.unique(loads.block[own])), "point": point})
     return rows
 
 
 def ties_as_dicts(ties: Ties | None, blocks: Sequence[str]) -> list[dict[str, Any]]:
-    """Each tie: `name`, `tension` (N), `length` (m), `ends` (two points, m), and `between`, the names at them. blocks: all names."""
+    """Each tie: `name`, `tension` (N), `length` (m), `ends` (two points, m), `between` (blocks at the ends). blocks: all names."""
     if ties is None:
         return []
     lengths = np.linalg.norm(ties.ends[:, 1] - ties.ends[:, 0], axis=1)
@@ -41,9 +41,9 @@ def ties_as_dicts(ties: Ties | None, blocks: Sequence[str]) -> list[dict[str, An
 
 
 def motions_as_dicts(twists: np.ndarray | None, blocks: Blocks) -> list[dict[str, Any]]:
-    """Each distinct unit motion of supports: at most 12 `names` of those that have it, `velocity` of their middle, and `spin`.
+    """Each distinct unit motion of supports: at most 12 `names` of its supports, `velocity` of their middle, `spin` (angular velocity).
 
-    twists: (B, 6), velocity of the origin and angular velocity; None for no support.
+    twists: (B, 6), velocity of the origin and angular velocity; None without a settlement.
     """
     supports = np.flatnonzero(blocks.role == ROLES["support"])
     if twists is None:

@@ -1,4 +1,4 @@
-"""The unit motion of every support: all alike, by shares of the settlement, or along a profile of it."""
+"""The unit motion of every support: the same for all supports, by shares of the settlement, or by a profile of the settlement."""
 
 from collections.abc import Iterator
 
@@ -14,10 +14,10 @@ NO_TURN = 1e-12  # of the settlement, between both ends of a support: round-off
 
 
 def support_twists(settlement: Settlement | None, blocks: Blocks) -> np.ndarray | None:
-    """Twists (B, 6) of all blocks for the unit settlement: velocity of the origin, angular velocity; zero for what is no support.
+    """Twists (B, 6) of all blocks for the unit settlement: velocity of the origin, angular velocity; zero for blocks that are no supports.
 
-    They are those of one rigid body, times the ratio of the last zone that names a block. A profile gives the velocities at both ends of
-    a support, and a support whose ends move differently turns. None without a settlement.
+    The supports have the twist of one rigid body, times the ratio of the last zone that names the support. With a profile, the profile
+    gives the velocities at both ends of a support, and a support whose ends move differently turns. None without a settlement.
     """
     twist = support_twist(settlement)
     if settlement is None or twist is None:
@@ -45,7 +45,7 @@ def _in_zone(patterns: tuple[str, ...], blocks: Blocks) -> np.ndarray:
 def _along_profile(settlement: Settlement, direction: np.ndarray, blocks: Blocks) -> np.ndarray:
     """Twists (B, 6) with the velocities of a profile at both ends of every block.
 
-    A block turns about its face against `direction`, its top where it sinks, so that this face moves along `direction` alone.
+    A block turns about its face opposite to `direction` (its top where it sinks), so that this face moves along `direction` alone.
     """
     axis = "xy".index(settlement.along)
     place, ratio = np.array(settlement.profile).T
@@ -77,7 +77,7 @@ def bent_over_supports(file: SceneFile, blocks: Blocks) -> Iterator[str]:
 
 
 def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
-    """Yield each zone that names no support, and a settlement that moves no support."""
+    """Yield a fault for the first pattern of a zone that names no support, or else for a settlement that moves no support."""
     if file.settlement is None:
         return
     support = blocks.role == ROLES["support"]

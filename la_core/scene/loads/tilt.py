@@ -1,8 +1,8 @@
-"""The tilt of the ground as a live load: gravity seen from the structure, which turns with the ground.
+"""The tilt of the ground as a live load: the direction of gravity relative to the structure, which turns with the ground.
 
-Tilted by the angle t about a level axis, gravity of size g is g (cos t down + sin t across), that is g cos t (down + tan t across): the
-push of a live load along `across` with the multiplier tan t, all forces times cos t. Friction without cohesion knows no size of forces,
-so the structure fails at the same tan t.
+After a tilt by the angle t about a level axis, gravity g relative to the structure is g (cos t down + sin t across), which equals
+g cos t (down + tan t across). This is a live load along `across` with the multiplier tan t, with all forces scaled by cos t. With friction
+and without cohesion, failure does not depend on the scale of the forces. So the structure fails at the same tan t.
 """
 
 import math
@@ -31,8 +31,8 @@ def tilt_push(axis: np.ndarray, gravity: np.ndarray) -> np.ndarray:
 def tilt_angles(tilt: np.ndarray | None, multiplier: float | None, uncertainty: float | None = None) -> dict[str, float]:
     """`angle` of the ground and `angle_uncertainty`, degrees, for a multiplier and its uncertainty; empty without a tilt.
 
-    At this angle the part of the weight along the ground is `multiplier` times the part across it. Undefined numbers are NaN.
-    uncertainty: None leaves its angle out.
+    At this angle the component of the weight along the ground is `multiplier` times the component normal to the ground. Undefined numbers
+    are NaN. uncertainty: of the multiplier; None leaves `angle_uncertainty` out.
     """
     if tilt is None:
         return {}
@@ -42,7 +42,7 @@ def tilt_angles(tilt: np.ndarray | None, multiplier: float | None, uncertainty: 
 
 
 def faults_of_tilt(file: SceneFile) -> Iterator[Fault]:
-    """Yield what does not go with a [tilt]: an axis that is not level, and forces that do not turn with gravity."""
+    """Yield the faults of a scene with a [tilt]: an axis that is not level, and forces that do not turn with gravity."""
     if file.tilt is None:
         return
     if abs(unit_vector(file.tilt.axis) @ unit_vector(file.gravity)) > LEVEL:

@@ -1,4 +1,4 @@
-"""The upper faces of blocks in plan, and the parts of loads that each of them carries."""
+"""The upper faces of blocks in plan, and the share of a load on each face."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,19 @@ from scipy.sparse.csgraph import connected_components
 
 from la_core.geometry import Blocks, face_corners, face_polygons, near_parts, opposite_faces, overlap_of, plane_axes, polygons_of
 
-UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
-STEEPEST = 1e-3  # the same of the flank of a block that has no other open top face: the lowest voussoir of a semicircular arch of 1,500
-COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
-OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
+UPWARD = 0.1  # least z of the normal of a top face; the extrados of an arch carries its fill down to steep flanks
+STEEPEST = 1e-3  # least z of the normal of a flank in place of a top face: the lowest voussoir of a semicircular arch of 1,500
+COVERED = 0.9  # of the area of a face: a face that other blocks cover to a larger share is a joint
+OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: greatest angle and gap between faces of a joint, for typed coordinates
 ROUND_OFF = 1e-9  # of the extent of the faces: lines this close to an edge lie on it
-LAST_DIGITS = 1e-14  # of the largest coordinate: what double precision leaves of it, after a few operations
+LAST_DIGITS = 1e-14  # of the largest coordinate: round-off of double precision after a few operations
 SHORTEST = 4.0  # times round-off: a shorter stretch of a line does not count
-COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
+COUNTED_TWICE = 1e-6  # of the whole loaded area or length: a larger overlap in plan is more than round-off
 
 
 @dataclass(frozen=True)
 class Carried:
-    """What N faces carry of a load.
+    """Shares of a load on N faces.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Carried:
 
 
 def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float], tuple[float, float]] | None) -> Carried:
-    """What the top faces of blocks carry of a load along a line, or of one on all their area.
+    """Shares of a load on the top faces of blocks, for a load along a line or on the whole area of the faces.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: flo
     start, length = line[0], float(np.linalg.norm(line[1] - line[0]))
     over = shapely.intersection(shapely.buffer(plan, reach, join_style="mitre"), shapely.LineString(line))
     pieces, row = shapely.get_parts(np.atleast_1d(over), return_index=True)
-    kept = shapely.length(pieces) > SHORTEST * reach  # less is a corner that the line touches
+    kept = shapely.length(pieces) > SHORTEST * reach  # a shorter piece is a corner that the line touches
     pieces, row = pieces[kept], row[kept]
     ends = np.stack([shapely.get_coordinates(shapely.get_point(pieces, end)).reshape(-1, 2) for end in (0, -1)])
     along = np.sort((ends - start) @ (line[1] - start) / length, axis=0)
@@ -94,7 +94,7 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: flo
     every = np.argsort(low, kind="stable")
     reached = _reached(high[every], np.zeros(len(low), dtype=int), length)
     shared = np.minimum(high[every], reached) - low[every]
-    crossed = (shared > 0.0) & (shared <= SHORTEST * reach)  # a joint: it would count twice, and many of them would add up
+    crossed = (shared > 0.0) & (shared <= SHORTEST * reach)  # at a joint: it would count twice, and many would add up
     low[every[crossed]] = reached[crossed]
     return row, low, high, float(shared[shared > SHORTEST * reach].sum())
 
@@ -109,10 +109,10 @@ def _reached(high: np.ndarray, group: np.ndarray, length: float) -> np.ndarray:
 
 
 def _seen_faces(blocks: Blocks, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """The upward faces (N,) of the chosen blocks (B,) that are seen from above, and what is seen of each.
+    """The upward faces (N,) of the chosen blocks (B,) that are visible from above, and the visible part of each.
 
-    Returns the faces, polygons (N,), the place (2,) that they are drawn from, m, and the length that is round-off, m. A compound block
-    has upward faces within it, on the cuts between its convex parts. Steep ones are left out, because they may lie on such a cut.
+    Returns the faces, their visible parts as polygons (N,), the origin (2,) of the polygons, m, and the length of round-off, m. A compound
+    block has upward faces within it, on the cuts between its convex parts. Its steep faces are left out, because they may lie on a cut.
     """
     rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
     face = np.flatnonzero((rise > UPWARD) | ((rise > STEEPEST) & ~blocks.is_compound[blocks.face_block]))
@@ -123,14 +123,14 @@ def _seen_faces(blocks: Blocks, chosen: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _carrying_rows(blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray) -> np.ndarray:
-    """Rows of the faces (N,), seen from above as polygons `seen` (N,), that carry what lies on their blocks.
+    """Rows of the faces (N,) that carry the loads of their blocks. seen, origin and grid: see `_seen_faces`.
 
-    The top faces of a block do, without those that other blocks cover where the block has an open one, too. A voussoir of an arch
-    carries its fill on its outer face, and not on the joint with its neighbour, which faces up as well. The blocks of a course carry a
-    floor on their only top face, under the course above.
+    The top faces of a block carry its loads. Where a block has an open top face, its top faces under other blocks carry nothing. So a
+    voussoir of an arch carries its fill on its outer face, and not on the joint with its neighbour, which faces up as well. The blocks
+    of a course carry a floor on their only top face, under the course above.
 
-    The lowest voussoir of an arch has a joint with the next one, and an outer face that is too steep for a top face. Where both
-    voussoirs carry the fill, it lies on their outer faces: open steep faces take the place of joints between two chosen blocks.
+    The lowest voussoir of an arch has a joint with the next voussoir, and an outer face that is too steep for a top face. Where both
+    voussoirs carry the fill, the fill lies on their outer faces: open steep faces replace the joint between two chosen blocks.
     """
     owner, is_top = blocks.face_block[face], blocks.face_normal[face, 2] > UPWARD
     if is_top.all() and not (np.bincount(owner, minlength=len(blocks)) > 1).any():
@@ -144,14 +144,14 @@ def _carrying_rows(blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: n
 
 
 def _some(owner: np.ndarray, count: int) -> np.ndarray:
-    """Which of `count` blocks own one of some faces with these owners (N,)."""
+    """Mask (count,) of the blocks that own at least one of N faces. owner: block of each face (N,)."""
     return np.bincount(owner, minlength=count) > 0
 
 
 def _covered(
     blocks: Blocks, face: np.ndarray, seen: np.ndarray, origin: np.ndarray, grid: float, chosen: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Shares (N,) of what is seen of faces (N,) that all other blocks cover, and that the chosen ones (B,) among them cover.
+    """Covered shares (N,) of the visible parts of faces (N,): under any other blocks, and under other chosen blocks (B,).
 
     The pieces of a face that is cut into convex parts have the share of the whole face. seen, origin and grid: see `_seen_faces`.
     """
@@ -172,7 +172,7 @@ def _covered(
 
 
 def _lowered(blocks: Blocks, polygons: np.ndarray, plane: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Polygons (N,) in the planes of upward faces (N,), as `face_polygons` draws them, seen from above and drawn from `origin` (2,)."""
+    """Polygons (N,) from `face_polygons` in the planes of upward faces (N,), projected into plan, with `origin` (2,) as their origin, m."""
     first, second = plane_axes(blocks.face_normal[plane])
     corner = blocks.vertices[blocks.face_vertex[blocks.face_start[plane]]]
     flat, row = shapely.get_coordinates(polygons, return_index=True)
@@ -181,16 +181,16 @@ def _lowered(blocks: Blocks, polygons: np.ndarray, plane: np.ndarray, origin: np
 
 
 def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray, grid: float) -> np.ndarray:
-    """The whole face, a number (N,), of each upward face (N,): pieces of one block that lie in one plane and share an edge are one.
+    """Number (N,) of the whole face of each upward face (N,). Faces of one block in one plane that share an edge form one whole face.
 
-    seen: what is seen of the faces from above, polygons (N,). grid: length that is round-off, m.
+    seen: visible parts of the faces, polygons (N,). grid: length of round-off, m.
     """
     whole, owner = np.arange(len(face)), blocks.face_block[face]
     for block in np.flatnonzero(blocks.is_compound):
         own = np.flatnonzero(owner == block)
         normal, reach = blocks.face_normal[face[own]], NEAR * float(np.linalg.norm(blocks.high[block] - blocks.low[block]))
         corner = blocks.vertices[blocks.face_vertex[blocks.face_start[face[own]]]]
-        height = np.abs(np.einsum("ik,ijk->ij", normal, corner[None, :] - corner[:, None]))  # of each corner above the plane of each face
+        height = np.abs(np.einsum("ik,ijk->ij", normal, corner[None, :] - corner[:, None]))  # of a corner of each face above each plane
         alike = np.linalg.norm(normal[:, None] - normal[None, :], axis=2) <= OPPOSITE
         first, second = np.nonzero(alike & (np.maximum(height, height.T) <= reach))
         edge = shapely.length(shapely.intersection(seen[own[first]], seen[own[second]], grid_size=grid))
@@ -201,10 +201,10 @@ def _whole_faces(blocks: Blocks, face: np.ndarray, seen: np.ndarray, grid: float
 
 
 def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Polygons (N,) of the faces (N,) seen from above, the place (2,) that they are drawn from, m, and the length that is round-off, m.
+    """Polygons (N,) of the faces (N,) in plan, the origin (2,) of the polygons, m, and the length of round-off, m.
 
-    They are drawn from their own middle, so that nothing depends on where the scene has its origin. GEOS is sure of what it computes on
-    a grid of the length that is round-off.
+    The origin is the middle of the faces, so that results do not depend on the origin of the scene. GEOS is robust on a grid of the
+    length of round-off.
     """
     if not len(face):
         return np.zeros(0, dtype=object), np.zeros(2), ROUND_OFF
@@ -216,7 +216,7 @@ def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
 
 
 def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, grid: float) -> np.ndarray:
-    """The polygons (N,) without what lies under a higher face of the same block: only compound blocks have such parts."""
+    """The polygons (N,) without their parts under a higher face of the same block; only compound blocks have such parts."""
     uncovered, owner = plan.copy(), blocks.face_block[face]
     for block in np.flatnonzero(blocks.is_compound):
         own = np.flatnonzero(owner == block)

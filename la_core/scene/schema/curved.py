@@ -10,8 +10,8 @@ from la_core.scene.schema.types import Count, Name, Positive, Real, Table, Vecto
 
 WIDEST = 120.0  # degrees that one voussoir may span: wider ones are slivers about their centre
 FEWEST = 3  # voussoirs of a ring given by its span: fewer have a joint that is no joint of the shape
-BASKET = (2.0 - math.sqrt(3.0)) / 2.0  # rise over span of a basket arch of three sixths of a circle whose small circles vanish
-RISES = {  # of each shape, over the span; a flat ellipse needs no limit but that of its name
+BASKET = (2.0 - math.sqrt(3.0)) / 2.0  # rise over span at which the small arcs of a basket arch of three 60-degree arcs vanish
+RISES = {  # least and greatest rise of each shape, over the span
     "circular": (1e-3, 0.5), "pointed": (0.5, math.inf), "elliptical": (1e-2, math.inf), "basket": (1.05 * BASKET, 0.5),
 }  # fmt: skip
 ON_JOINT = 1e-9  # of a lune: sectors this close to a whole number of lunes end on a joint

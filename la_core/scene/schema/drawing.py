@@ -9,8 +9,8 @@ from la_core.drawing import DRAWING_FORMATS, OF_PDF
 from la_core.scene.schema.mesh import Pattern, within_the_scene_s_folder
 from la_core.scene.schema.types import Name, NotNegative, Pair, Positive, Table, described
 
-LISTS = ("ignore", "openings", "ground", "support", "blocks")  # of layers; the first that names one counts
-MOST_TOLERANCE = 0.1  # m: more is no error of a survey
+LISTS = ("ignore", "openings", "ground", "support", "blocks")  # lists of layers; the first list that names a layer counts
+MOST_TOLERANCE = 0.1  # m: errors of a survey are smaller
 
 
 class Drawing(Table):

@@ -25,10 +25,10 @@ def scene_schema() -> dict[str, Any]:
 def part_of_schema(name: str) -> dict[str, Any] | None:
     """JSON Schema of one table of the scene file, such as "wall" or "opening"; None for a name that is no table.
 
-    A table within a table is named by its key. Of two tables with one key the first is meant.
+    A table within a table is named by its key. Of two tables with the same key the first is returned.
     """
     schema = scene_schema()
-    if name == "yade":  # its settings stand in the schema itself
+    if name == "yade":  # its settings are in the schema itself, without a reference
         return dict(schema["properties"]["yade"])
     tables = [schema, *schema["$defs"].values()]
     entries = (table["properties"][name] for table in tables if name in table["properties"])
@@ -49,7 +49,7 @@ def tables_of_schema() -> list[str]:
 
 
 def _reference(entry: dict[str, Any]) -> str | None:
-    """The table that a key holds, alone or as the entries of an array; None where it holds none."""
+    """Reference to the table that a key holds, alone or as the entries of an array; None where the key holds no table."""
     for part in (entry, *entry.get("anyOf", ()), *entry.get("allOf", ()), entry.get("items", {})):
         if "$ref" in part:
             return str(part["$ref"])

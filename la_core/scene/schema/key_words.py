@@ -1,4 +1,4 @@
-"""What a key of a JSON Schema may hold, in words: for tables of keys on pages and on the terminal."""
+"""Words for the allowed values and the default of a key of a JSON Schema, for tables of keys on pages and on the terminal."""
 
 import json
 from collections.abc import Callable
@@ -6,12 +6,12 @@ from typing import Any
 
 from la_core.scene.schema.types import LARGEST
 
-PEN = 100_000  # upper limits from here on only catch slips of the pen
-NameOfTable = Callable[[str], str]  # from the name of a table in the schema to what a reader calls it
+PEN = 100_000  # upper limits from here on only catch typing errors
+NameOfTable = Callable[[str], str]  # from the name of a table in the schema to its name for readers
 
 
 def value_words(entry: dict[str, Any], named: NameOfTable) -> str:
-    """What a key may hold: the kind of value, its limits or the words to choose from."""
+    """Allowed values of a key: the kind of value, its limits, or the words to choose from."""
     if "$ref" in entry or "allOf" in entry:
         return f"table {named((entry.get('$ref') or entry['allOf'][0]['$ref']).rsplit('/', 1)[1])}"
     if "anyOf" in entry:
@@ -34,7 +34,7 @@ def default_words(entry: dict[str, Any]) -> str:
 
 
 def _entries(entry: dict[str, Any], named: NameOfTable) -> str:
-    """An array in words: of so many numbers, or of any number of entries."""
+    """Words for an array of a fixed number of values, or of any number of entries."""
     if "prefixItems" in entry:
         kinds = list(dict.fromkeys(value_words(one, named) for one in entry["prefixItems"]))
         assert len(kinds) == 1, "an array of different kinds has no words here"
@@ -46,7 +46,7 @@ def _entries(entry: dict[str, Any], named: NameOfTable) -> str:
 
 
 def _number(entry: dict[str, Any]) -> str:
-    """A number's kind and limits; those that only catch slips of the pen are left out."""
+    """A number's kind and limits; limits that only catch typing errors are left out."""
     kind = "whole number" if entry["type"] == "integer" else "number"
     low, high = max(entry.get("minimum", -LARGEST), entry.get("ge", -LARGEST)), min(entry.get("maximum", LARGEST), entry.get("le", LARGEST))
     above, below = entry.get("exclusiveMinimum", -LARGEST), entry.get("exclusiveMaximum", LARGEST)

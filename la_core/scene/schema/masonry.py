@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, NotNegative, Pair, Positive, Real, Table, Vector, bound_blocks, described
 
 ROUND = 1e-9  # of a length: round-off in values that users divide by hand
-SIDES = {  # walls of a plan: which axis each runs along
+SIDES = {  # walls of each plan, and the axis along which each wall runs
     "rectangle": {"south": "x", "east": "y", "north": "x", "west": "y"},
     "L": {"south": "x", "west": "y"},
     "T": {"south": "x", "stem": "y"},

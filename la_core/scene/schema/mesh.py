@@ -22,7 +22,7 @@ def within_the_scene_s_folder(file: str) -> str:
     return file
 
 
-Pattern = Name  # as a shell's: `*`, `?` and `[...]`
+Pattern = Name  # shell-style, with `*`, `?` and `[...]`
 
 
 class Turn(Table):

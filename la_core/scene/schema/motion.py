@@ -7,13 +7,13 @@ from la_core.scene.schema.types import Vector
 
 
 def unit_vector(vector: Vector) -> np.ndarray:
-    """Unit vector, first scaled by the largest entry so that tiny and huge entries neither underflow nor overflow."""
+    """Unit vector. The vector is first scaled by its largest entry, so that tiny and huge entries neither underflow nor overflow."""
     scaled = np.array(vector) / np.abs(vector).max()
     return scaled / np.linalg.norm(scaled)
 
 
 def support_twist(settlement: Settlement | None) -> np.ndarray | None:
-    """Twist (6,) of the support's unit motion; None without a settlement."""
+    """Twist (6,) of the support's unit motion: velocity of the origin, then angular velocity. None without a settlement."""
     if settlement is None:
         return None
     if settlement.direction is not None:

@@ -7,7 +7,7 @@ from pydantic import Field, Strict, model_validator
 from la_core.scene.schema.masonry import ROUND, Footing
 from la_core.scene.schema.types import Count, Name, Positive, Real, Table, Vector, described
 
-LONGEST_JOINT = 0.4  # of a stone's size: regular hexagons have 0.62, and what is near to them is no rubble
+LONGEST_JOINT = 0.4  # of a stone's size: regular hexagons have 0.62, and stones close to them are no rubble
 
 
 class Rubble(Table):

@@ -32,11 +32,11 @@ from la_core.scene.schema.types import (
 )
 
 LEVEL = 1e-9  # of a direction: round-off
-LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # neither finer than the strain of a joint nor coarser than a drawing
+LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # not finer than the effect of strain in joints, not coarser than a drawing
 
 
 def _given(table: Table, *keys: str) -> str:
-    """Words for those of the keys that a table has."""
+    """Words that list which of these keys a table has."""
     return f"it has {' and '.join(f'`{key}`' for key in keys if getattr(table, key) is not None) or 'none'}"
 
 

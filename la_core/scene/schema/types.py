@@ -52,7 +52,7 @@ def _is_one_line(text: str) -> str:
 
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME), AfterValidator(_is_one_line)]
 MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long
-LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
+LARGEST_FILE = 50_000_000  # bytes; a scene is a short text, and its meshes describe a structure without ornament
 Role = Literal["free", "fixed", "support"]
 
 
@@ -75,7 +75,7 @@ def _not_weightless(vector: Vector) -> Vector:
 
 
 Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(not_zero)]  # made unit, so of any length
+Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(not_zero)]  # scaled to unit length, so of any length
 Gravity = Annotated[Vector, AfterValidator(not_zero), AfterValidator(_not_weightless)]
 
 
