@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from la_core.errors import SceneError
 
-MOST_LINES = 3  # named in one message
+MOST_LINES = 3  # line numbers in one message
 KeyPath = tuple[str | int, ...]  # names of keys and indices in arrays, from the top of the file
 
 _BLANK = re.compile(r"(?:[\s,]|#[^\n]*)*")

@@ -47,7 +47,7 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     name : str
         Name of the scene and of its folder of results.
     folder : Path or str
-        Folder to which the file names of [[mesh]] tables are relative.
+        Folder to which the file names of [[mesh]] and [[drawing]] tables are relative.
 
     Returns
     -------

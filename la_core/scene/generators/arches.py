@@ -107,7 +107,7 @@ def _springers(ring: Ring, name: str, joints: list[Station], depth: float) -> It
 
 @dataclass(frozen=True)
 class _Arc:
-    """A part of a circle right of the middle, from the angle `start` to `end` from the vertical, rad, outward positive."""
+    """A circular arc in the right half of a ring. Its angles `start` and `end` count from the vertical to the right, rad."""
 
     centre: Corner
     radius: float

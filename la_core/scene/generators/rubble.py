@@ -1,4 +1,4 @@
-"""Stones of a `[[rubble]]` table: cells of a Voronoi diagram whose joints all have a least length."""
+"""Stones of a `[[rubble]]` table: cells of a Voronoi diagram in which no joint is shorter than a given length."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

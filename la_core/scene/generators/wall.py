@@ -141,7 +141,7 @@ def _leaning(wall: Wall, face: Face, profile: Sequence[tuple[float, float]]) -> 
 
 
 def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, int], list[Piece]]]:
-    """Layers of a course across the wall: first and last leaf, and their pieces; a head of an opening spans all leaves."""
+    """Layers of a course across the wall: range of leaves (first, last + 1), and pieces; a head of an opening spans all leaves."""
     starts_half = wall.bond == "running" and (course % 2 == 1) != (wall.first == "half")
     stretchers = face.pieces(course, wall.block[0] / 2.0 if starts_half else 0.0, (), wall.opening)
     spanning = [piece for piece in stretchers if _is_head(face, wall, course, piece)] if wall.leaves > 1 else []

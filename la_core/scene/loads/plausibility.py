@@ -1,4 +1,4 @@
-"""Warnings about loads, ties and friction that are allowed but seldom meant: kN for N, a lift, a point beside its block."""
+"""Warnings about loads, ties and friction that are allowed but seldom meant: kN for N, an uplift, a point beside its block."""
 
 from collections.abc import Iterator
 
@@ -10,9 +10,9 @@ from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.support_motion import bent_over_supports
 from la_core.scene.schema.scene_file import SceneFile
 
-FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
-SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a load below changes nothing, one above is many floors on one wall
-ROUND_OFF = 1e-9  # of a force: a component along gravity
+FRICTION = 1.2  # no dry joint of stone is known to have more; 1.2 is 50 degrees
+SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a smaller load changes nothing, a larger load is many floors on one wall
+ROUND_OFF = 1e-9  # of a force: a smaller component against gravity is round-off
 BESIDE = 1e-3  # of the size of a block: round-off of typed coordinates
 
 

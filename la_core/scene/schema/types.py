@@ -51,7 +51,7 @@ def _is_one_line(text: str) -> str:
 
 
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME), AfterValidator(_is_one_line)]
-MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long
+MOST_BLOCKS = 50_000  # of one generator, and of a scene, so that a typing error does not fill the memory or take long
 LARGEST_FILE = 50_000_000  # bytes; a scene is a short text, and its meshes describe a structure without ornament
 Role = Literal["free", "fixed", "support"]
 
