@@ -14,7 +14,7 @@ from typing import Any, Self
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )  # characters that control a terminal, except tab and new line
-MOST_LISTED, FEW_LISTED = 40, 10  # valid names that a hint lists in full; of more, how many it lists
+MOST_LISTED, FEW_LISTED = 40, 10  # valid names in a hint: most of a whole list, and first ones of a longer list
 ON_WINDOWS = (
     "crosscheck does not run on Windows itself; install it in WSL, the Linux within Windows (`wsl --install`), where YADE runs, too: "
     "https://learn.microsoft.com/windows/wsl/install"
@@ -40,7 +40,7 @@ class SceneError(Exception):
     blocks : sequence of str, optional
         Names of the blocks at fault, from which the lines of the scene file follow.
     spots : sequence of points, optional
-        Where the fault lies, (x, y, z) in m, for the figure.
+        Places of the fault, (x, y, z) in m, for the figure.
     """
 
     def __init__(
@@ -59,18 +59,18 @@ class SceneError(Exception):
 
     @classmethod
     def told(cls, message: str, about: "SceneError | None" = None) -> Self:
-        """An error with a message that is complete already, such as that of several errors; `about`: one of the same place."""
+        """An error with a complete message, such as the joined messages of several errors; it takes its place from the error `about`."""
         error = cls("", "") if about is None else cls(about.where, "", blocks=about.blocks, spots=about.spots)
         error.args = (message,)
         return error
 
     def __reduce__(self) -> tuple[object, ...]:
-        """How an error comes out of a worker process: with its message as it is, and with its place."""
+        """Pickle the error so that it leaves a worker process with its message unchanged and with its place."""
         return type(self).told, self.args, self.__dict__
 
 
 class CannotStandError(SceneError):
-    """Error of a command for a structure that cannot stand under its weight and dead loads, so that it has nothing to show."""
+    """Error of a command that has nothing to show, because the structure cannot stand under its weight and dead loads."""
 
 
 def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> int:
@@ -82,8 +82,8 @@ def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> 
 
 
 def true_or_false(where: str, value: Any) -> bool:
-    """The value of an argument that must be True or False; raises SceneError for any other, of which a text such as "no" would be true."""
-    if not (isinstance(value, bool) or type(value).__name__ in ("bool", "bool_")):  # the last are NumPy's
+    """The value of an argument that must be True or False; raises SceneError otherwise: the text "no" would count as True."""
+    if not (isinstance(value, bool) or type(value).__name__ in ("bool", "bool_")):  # these are the names of NumPy's type
         raise SceneError(where, "must be True or False", value=value)
     return bool(value)
 
@@ -106,7 +106,7 @@ def seconds_or_none(where: str, value: Any) -> float | None:
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
-    """A hint with the valid key (or other `kind`) nearest to `word`; where none is similar, with the valid ones, of many the first."""
+    """A hint with the valid key (or other `kind`) nearest to `word`. If none is similar, it lists the valid ones, of many the first."""
     choices = list(valid)
     near = difflib.get_close_matches(word, choices, n=1)
     if near:
@@ -116,12 +116,12 @@ def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
 
 
 def extra_hint(extra: str, package: str) -> str:
-    """A next step for an optional package that is missing: the extra that has it, and the command that installs it."""
+    """A next step for a missing optional package: the extra that contains it, and the command that installs it."""
     return f'install the extra "{extra}": {how_to_install(package)}'
 
 
 def how_to_install(package: str) -> str:
-    """The command that installs a package beside this program: `pip` alone may be that of another Python."""
+    """The command that installs a package for this program's Python: a bare `pip` may belong to another Python."""
     if _is_pipx():
         return f"pipx inject crosscheck-masonry {package}"
     return f"{shlex.quote(sys.executable)} -m pip install {package}"
@@ -145,14 +145,14 @@ def visible(text: str) -> str:
 
 
 def real_path(path: Path | str) -> Path:
-    """The whole path without links. A link to itself stays, for whoever opens it to refuse: `Path.resolve` raises RuntimeError for it."""
+    """The absolute path without links. A link to itself stays, and opening it fails later; `Path.resolve` would raise RuntimeError."""
     return Path(os.path.realpath(path))
 
 
 def printable_name(name: str) -> str:
-    """The name of a file; raises SceneError where it cannot be printed: bytes that are no text in this locale are surrogates in it.
+    """The name of a file; raises SceneError where it cannot be printed or has only spaces.
 
-    A name of only spaces is refused, too.
+    Python replaces the bytes that are not text in this locale by surrogates, which cannot be printed.
     """
     if name.isspace() or not name.isprintable():
         hint = OF_LOCALE if is_of_locale(name) else "rename the file"
@@ -162,17 +162,17 @@ def printable_name(name: str) -> str:
 
 
 def is_of_locale(text: str) -> bool:
-    """Whether the characters of a name or word are lost in this locale, because it is not one in UTF-8."""
+    """Whether this locale loses characters of a name or word, because its encoding is not UTF-8."""
     return not text.isascii() and sys.getfilesystemencoding() != "utf-8"
 
 
 def words_of(error: Exception) -> str:
-    """What an error says of a text that was read, without Python's advice to programmers on numbers of thousands of digits."""
+    """The message of an error in a text that was read, without Python's advice to programmers on numbers of thousands of digits."""
     return "a number has too many digits" if "set_int_max_str_digits" in str(error) else shortened(str(error), 300)
 
 
 def shortened(text: str, limit: int = 80) -> str:
-    """At most `limit` characters of a text; dots stand for the rest."""
+    """At most `limit` characters of a text; three dots replace the rest."""
     return text if len(text) <= limit else text[: limit - 3] + "..."
 
 

@@ -1,4 +1,4 @@
-"""Pictures of scenes and answers. The package `comparison` draws them; nothing here needs it before a picture is asked for."""
+"""Pictures of scenes and answers. The package `comparison` draws them and is loaded only when a picture is requested."""
 
 from importlib import import_module
 from typing import Any

@@ -1,4 +1,4 @@
-"""Work that libraries do without Python's lock, side by side in threads."""
+"""Parallel threads for calls of libraries that release Python's global lock."""
 
 import os
 from collections.abc import Callable, Iterable
@@ -23,7 +23,7 @@ def threads() -> int:
 def side_by_side(
     function: Callable[[Item], Made], items: Iterable[Item], stop: Callable[[], None] = lambda: None, at_once: int | None = None
 ) -> list[Made]:
-    """Return what a function makes of every item, in their order; one after another where there is one thread.
+    """Return the results of a function for all items, in the order of the items; with one thread the calls run in turn.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def side_by_side(
         try:
             return function(item)
         except BaseException as error:
-            errors.append(error)  # before the others stop: their errors are but its consequence
+            errors.append(error)  # before the others stop: their errors only follow from this one
             stop()
             raise
 

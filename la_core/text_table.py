@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 from la_core.errors import SceneError, extra_hint
 
 ROUND_OFF = 1e-8  # of the weight: a smaller reaction counts as zero
-PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
+PLACES = 5  # decimal places of a coordinate, m: no drawing or survey is more accurate than 0.01 mm
 OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
 
 
@@ -19,7 +19,7 @@ def exists(value: Any) -> TypeGuard[float]:
 
 
 def number_text(value: float | None, digits: int = 6) -> str:
-    """A number with `digits` significant digits, or a dash where undefined; up to a million the whole part is in full."""
+    """A number with `digits` significant digits, or a dash if undefined; below a million the whole part is never shortened."""
     if value is None or not math.isfinite(value):
         return "–"
     rounded = float(f"{value:.{digits}g}") + 0.0  # + 0.0: no negative zero
@@ -28,16 +28,16 @@ def number_text(value: float | None, digits: int = 6) -> str:
 
 
 def coordinate_text(value: float, places: int = PLACES) -> str:
-    """A coordinate, m, to some decimal places however far the origin is, without zeros at the end.
+    """A coordinate, m, with at most `places` decimals however far the origin is, without trailing zeros.
 
-    Digits beyond PLACES are round-off that reading a drawing or closing its joints leaves.
+    Digits beyond PLACES are dropped: they are round-off from reading a drawing or from closing its joints.
     """
     text = f"{round(value, min(places, PLACES)) + 0.0:.{places}f}"
     return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", "−")
 
 
 def place_text(place: Iterable[float]) -> str:
-    """A place, m, such as "(1.5, 0, 2) m": four digits, and centimetres however far the origin is, as in the grid of a survey."""
+    """A place, m, such as "(1.5, 0, 2) m": four significant digits below 10 m, else to the centimetre, as in the grid of a survey."""
     return f"({', '.join(number_text(along + 0.0, 4) if abs(along) < 10.0 else coordinate_text(along, 2) for along in place)}) m"
 
 
@@ -68,16 +68,16 @@ def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
 
 
 def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> Any:
-    """Rows as a table of pandas, NaN where undefined; raises SceneError where the extra of that name is not installed.
+    """Rows as a table of pandas, NaN where undefined; raises SceneError where pandas is not installed.
 
-    columns: names and order of the columns, which a table without rows has, too; None takes those of the rows.
+    columns: names and order of the columns, also of a table without rows; None takes those of the rows.
     """
     try:
         pandas = import_module("pandas")
     except ImportError as error:
         raise SceneError("to_dataframe", "needs pandas, which is not installed", hint=extra_hint("pandas", "pandas")) from error
     table = pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
-    undefined = [name for name in table if len(table) and table[name].isna().all()]  # without a number pandas leaves None as it is
+    undefined = [name for name in table if len(table) and table[name].isna().all()]  # pandas leaves None in a column without a number
     return table.astype(dict.fromkeys(undefined, float))
 
 

@@ -28,8 +28,8 @@ from la_core.model import Assembly, global_forces, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
-# Of the value, and of the weight: with a larger error of the value a thorough attempt follows a quick one. Residuals of an answer called
-# solved may leave a larger one where the blocks that load the support are light beside the others.
+# Of the value, and of the weight: a quick attempt with a larger error of its value is followed by a thorough one. An answer called solved
+# may have a larger error where the blocks that load the support are light beside the others.
 PRECISE, LEAST_PRECISE = 1e-4, 1e-8
 FIRST_ORDER = 2.0  # times the error of first order: in 76 solves of a stone beside a cube the error was up to 1.12 times that one
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
@@ -90,7 +90,7 @@ class Solution(Held):
     falling : tuple of str
         Names of the blocks that fall, where the status is INFEASIBLE.
     error : float
-        Estimated error of the value, in its unit, by its duality gap and by the forces out of balance; NaN in a file that does not hold it.
+        Estimated error of the value, in its unit, from the duality gap and the unbalanced forces; NaN from a file without it.
     """
 
     status: Status
@@ -132,14 +132,14 @@ def solve_associated(
         Largest residual of an answer called SOLVED; the solver's tolerance is derived from it.
     near : Solution, optional
         Answer of a similar problem with as many contact points, such as the same drive at another inset. It saves up to
-        half the iterations of the quick attempt and does not change what is solved. It is ignored where it is not
+        half the iterations of the quick attempt and does not change the problem. It is ignored where it is not
         SOLVED or has another number of contact points.
 
     Returns
     -------
     Solution
-        Of the accepted attempts the one with the most precise value, or else the one with the smallest residuals; seconds and iterations
-        are those of all attempts.
+        The accepted attempt with the smallest error of its value. Where none is accepted, the attempt with the smallest residuals. Seconds
+        and iterations are sums over all attempts.
     """
     problem = problem or scaled_problem(assembly)
     driven = driven_problem(assembly, problem, drive)
@@ -150,7 +150,7 @@ def solve_associated(
         trials.insert(0, (*ATTEMPTS[0], near.forces))
     for equilibrate, refine, forces in trials:
         if attempts and attempts[-1].status is Status.SOLVED and not refine:
-            continue  # another quick attempt is as imprecise
+            continue  # another quick attempt would be as imprecise
         attempts.append(_attempt(assembly, problem, drive, driven, part, accuracy, equilibrate, refine, forces))
         status = attempts[-1].status
         is_precise = status is Status.SOLVED and _is_precise(assembly, attempts[-1])
@@ -160,7 +160,7 @@ def solve_associated(
     best = last
     if solved and last.status is not Status.INFEASIBLE:
         best = min(solved, key=lambda attempt: attempt.error)
-    elif last.status in (Status.INACCURATE, Status.FAILED):  # no attempt confirmed what a quick one may have called unbounded
+    elif last.status in (Status.INACCURATE, Status.FAILED):  # UNBOUNDED from a quick attempt does not count unless confirmed
         best = min((attempt for attempt in attempts if attempt.status is not Status.UNBOUNDED), key=_worst_residual)
     seconds, iterations = sum(attempt.seconds for attempt in attempts), sum(attempt.iterations for attempt in attempts)
     return replace(best, seconds=seconds, iterations=iterations)
@@ -204,7 +204,7 @@ def _attempt(
     if part is not None:
         whole = part.whole(assembly, problem, whole)
     solution = solution_of(assembly, problem, drive, driven, whole, accuracy)
-    # The solver may stall on its way along a ray; a live load may be what holds the structure up.
+    # The solver may stall on a ray. A live load may hold up a structure that cannot stand without it.
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:
         return _unless_it_falls(assembly, problem, part, solution)
     return solution
@@ -234,10 +234,10 @@ def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, f
 
 
 def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, part: SymmetricPart | None, solution: Solution) -> Solution:
-    """The solution, or INFEASIBLE with the falling blocks where the structure cannot stand; with the cost of finding out.
+    """The solution, or INFEASIBLE with the falling blocks where the structure cannot stand; the cost of this test is added.
 
     The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
-    at most one and the work is the greatest possible, so that every block whose fall does work does fall.
+    at most one and the work is the greatest possible, so that every block falls whose fall does work.
     """
     posed = problem if part is None else part.at_rest(problem)
     fall = optimum(posed.power, *box_limits(posed))

@@ -1,11 +1,11 @@
 """The classic iteration for Coulomb friction without dilatancy: a fictitious cohesion from the last normal forces.
 
-At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, with N its normal force
-so far. At n = N the limit is Coulomb's plus c0. It is nearly flat, so that a sliding joint hardly opens. N follows
-the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one. Gilbert, Casapulla &
+At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, where N is its normal force
+from earlier iterations. At n = N the limit is Coulomb's plus c0. It hardly depends on n, so that a sliding joint hardly opens.
+N follows the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one. Gilbert, Casapulla &
 Ahmed, Computers & Structures 84 (2006) 873; in 3D Portioli, Casapulla, Gilbert & Cascini, ibid. (2014). Neither
-convergence nor uniqueness of the answer is proven; the method is included as the published reference. A limit that
-falls with n rewards a sliding joint for a smaller normal force. Where one mechanism allows several reactions, the
+convergence nor uniqueness of the answer is proven; the method is included as the published reference. Because
+the limit falls with n, a sliding joint resists more at a smaller normal force. Where one mechanism allows several reactions, the
 iteration therefore tends to the end of the interval at which sliding joints carry the smallest normal forces.
 """
 
@@ -84,7 +84,7 @@ class ClassicSolution:
     values : (k,) array
         Value of each of the k programmes that have one, in order; the last is the answer.
     violations : (k,) array
-        Largest tension or excess of |t| over mu n of each, over the mean block weight.
+        Largest tension or excess of |t| over mu n of each programme, over the mean block weight.
     equilibrium_residual : float
         Largest unbalanced force on a free block over the mean block weight.
     dilation : float
@@ -170,7 +170,7 @@ def _has_value(step: StaticSolution) -> bool:
 
 
 def _converged(assembly: Assembly, values: list[float], violations: list[float], tolerance: float) -> bool:
-    """Whether the last value is steady and its forces obey Coulomb's limit; the associated value never counts."""
+    """Whether the last value is steady and its forces obey Coulomb's limit; False for the first value, the associated one."""
     if len(values) < 2:
         return False
     change = tolerance * assembly.in_value_unit(assembly.mean_weight)

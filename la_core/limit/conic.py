@@ -98,10 +98,10 @@ class Programme:
     equilibrate : bool
         Let the solver scale the rows and columns once more.
     refine : bool
-        Correct the solution of every linear system iteratively. It takes a quarter of the time and gains digits that
-        a caller who checks the answer seldom needs.
+        Correct the solution of every linear system iteratively. This takes a quarter of the time. A caller who
+        checks the answer seldom needs the digits gained.
     regularisation : float
-        What the solver adds to the diagonals of linear systems that it does not refine.
+        Number that the solver adds to the diagonals of linear systems that it does not refine.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class Programme:
         kinds += [clarabel.SecondOrderConeT(3)] * cones.second_order
         self._square = sparse.csc_matrix((size, size)) if quadratic is None else sparse.diags(quadratic).tocsc()
         negative = matrix.tocsc(copy=True)
-        negative.data *= -1.0  # of small matrices scipy's own minus takes three times as long as the conversion
+        negative.data *= -1.0  # SciPy's negation of a small matrix takes three times as long as the conversion
         self._rows, self._kinds, self._settings = negative, kinds, settings
         self._solver: clarabel.DefaultSolver | None = None
 
@@ -170,7 +170,7 @@ def maximise(
 
 
 def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> ProgrammeAnswer:
-    """Answer of `maximise`; without an optimum, it tries again without equilibration.
+    """Answer of `maximise`; where it finds no optimum, a second attempt without equilibration follows.
 
     Equilibration enlarges the rows of joints with very little friction so much that the solver may stall. The
     parameters are those of `maximise`; seconds and iterations are those of both attempts.

@@ -1,4 +1,4 @@
-"""How a structure that cannot stand falls: which blocks, and how fast beside free fall."""
+"""Fall of a structure that cannot stand: the blocks that fall, and their speed relative to free fall."""
 
 import numpy as np
 
@@ -7,14 +7,14 @@ from la_core.limit.problem import scaled_problem
 from la_core.measures import block_speeds, corner_speeds
 from la_core.model import Assembly, twists_of
 
-FALLING_SHARE = 1e-3  # of the fastest sinking: blocks at least this fast count as falling in a certificate
+FALLING_SHARE = 1e-3  # of the greatest speed of sinking: blocks at least this fast count as falling in a certificate
 LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
     """Names of the blocks that sink, or tip over, in a motion (B, 6) of order one; empty where the weights do no positive work.
 
-    The lower stones of a corbel tip with it although their centroids rise: a block counts where any part of it sinks.
+    A block counts where any part of it sinks: the lower stones of a corbel tip with it although their centroids rise.
     """
     power, weight = np.sum(assembly.dead_load * twists, axis=1), assembly.block_weight
     if not power.sum() > LEAST_FALL * assembly.weight:
@@ -25,16 +25,16 @@ def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
 
 
 def share_of_free_fall(assembly: Assembly) -> float:
-    """How fast a structure that cannot stand starts to fall: 1 in free fall, near 0 where it lacks little balance.
+    """Acceleration of a structure that starts to fall, over free fall: 1 in free fall, near 0 where it almost stands.
 
     It is the power of the weights, loads and ties in the motion into which they accelerate the structure, over the sum of the weight of
-    every block times the speed of its fastest corner. Loads and ties that do not count as weight may make it more than 1. The
-    motion is the nearest one to free motion that the joints allow (Gauss's principle of least constraint). A block has the mass of its
-    weight, with the dead loads on it; its moments of inertia are this mass times the square of the mean block size.
+    every block times the speed of its fastest corner. It may exceed 1 where loads or ties do not count as weight. The motion is the
+    nearest one to free motion that the joints allow (Gauss's principle of least constraint). The mass of a block is that of its
+    weight and of the dead loads on it. Its moments of inertia are this mass times the square of the mean block size.
     """
     problem = scaled_problem(assembly)
     free_blocks = int(assembly.blocks.free.sum())
-    masses = assembly.block_weight[assembly.blocks.free] / assembly.weight * free_blocks  # over the mean one, so of order one
+    masses = assembly.block_weight[assembly.blocks.free] / assembly.weight * free_blocks  # over the mean mass, so of order one
     programme = Programme(problem.rows, problem.cones, np.repeat(masses, len(problem.power) // free_blocks))
     twists = twists_of(assembly, programme.solve(problem.power * free_blocks, np.zeros(problem.rows.shape[0])).x)
     power = float(np.sum(assembly.dead_load * twists))

@@ -38,7 +38,7 @@ _OUTCOMES = {
     0: ProgrammeOutcome.OPTIMUM,
     2: ProgrammeOutcome.RAY,
     3: ProgrammeOutcome.EMPTY,
-}  # outcome of the kinematic form, dual to the static one: no equilibrium is a ray, an unbounded force an empty set
+}  # outcome of the kinematic form, which is dual to the static one: no equilibrium is a RAY, an unbounded force is EMPTY
 
 
 def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: bool, method: str = "highs-ipm") -> Solution:
@@ -114,7 +114,7 @@ def _least_forces(driven: DrivenProblem, method: str) -> ProgrammeAnswer:
 
 
 def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, method: str, solution: Solution) -> Solution:
-    """The solution, or INFEASIBLE with the falling blocks where blocks fall; with the cost of finding out.
+    """The solution, or INFEASIBLE with the falling blocks where blocks fall; the cost of this test is added.
 
     The certificate is a motion that the pyramids admit, with velocities of at most one and the greatest work of the
     weights.

@@ -1,4 +1,4 @@
-"""Joints that cannot slide (Heyman 1966): the independent equations of no sliding, and the friction that they leave free.
+"""Joints that cannot slide (Heyman 1966): the independent equations that exclude sliding, and the friction that they do not determine.
 
 All points of an interface lie in one plane. In a plane model the interface does not slide if one point does not. In
 3D one point must not slide and a second one must not turn about it.

@@ -1,4 +1,4 @@
-"""Check the answer of a plane model in the model in space; it justifies leaving out motion out of the plane."""
+"""Check of a plane answer in the model in space: small residuals justify the plane model."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarr
     """
     plane = assembly.points
     points = contact_points(assembly.blocks, assembly.interfaces, 0.0, assembly.inset, plane=False)
-    ends = np.stack([2 * points.interface, 2 * points.interface + 1], axis=1)  # a plane interface has two points, in its own order
+    ends = np.stack([2 * points.interface, 2 * points.interface + 1], axis=1)  # plane interface i has the points 2 i and 2 i + 1
     away = np.linalg.norm((plane.position[ends] - points.position[:, None])[..., [0, 2]], axis=2)
     end = ends[np.arange(len(ends)), away.argmin(axis=1)]
     share = np.bincount(end, minlength=len(plane))
@@ -26,7 +26,7 @@ def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarr
 
 
 def residual_in_space(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Largest residual in space of a plane answer; NaN where one is.
+    """Largest residual in space of a plane answer; NaN where a residual is undefined.
 
     twists (B, 6) and contact forces (C, 3), N, are those of the plane answer; a live load has the multiplier that fits them best.
     The residuals of equilibrium and of the cones are over the mean block weight; the penetration is over the speed of the fastest block.
@@ -38,4 +38,4 @@ def residual_in_space(assembly: Assembly, twists: np.ndarray, forces: np.ndarray
         residuals.cone_violation(space, shared),
         residuals.penetration(space, twists),
     )
-    return float(np.max(found))  # of which one may be NaN
+    return float(np.max(found))  # NumPy's maximum keeps a NaN

@@ -11,7 +11,7 @@ from la_core.limit.no_sliding import no_sliding_rows
 from la_core.model import PLANE_FREEDOMS, Assembly, columns, local_forces, scaled_load, support_motion
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
-SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient counts as 0: the solver needs it, and residuals do not show it
+SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient counts as 0: the solver needs this, and the residuals do not show the change
 
 
 class Drive(enum.Enum):
@@ -153,7 +153,7 @@ def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> 
 
 
 def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
-    """Rows T that put local relative velocities u into the flow rule's cone as T u.
+    """Rows T: local relative velocities u obey the flow rule where T u lies in the cones.
 
     Contact forces are T' times the multipliers. A frictionless point needs only u_n >= 0. Where sliding is excluded
     (Heyman 1966), u_t = 0 and u_n >= 0. In the plane the cone is two inequalities, u_n -+ mu u_t >= 0; in space it is
@@ -193,8 +193,8 @@ def points_of_rows(assembly: Assembly, problem: ScaledProblem) -> np.ndarray:
 def multipliers_of(assembly: Assembly, problem: ScaledProblem, forces: np.ndarray) -> np.ndarray:
     """Multipliers (m,) whose contact forces are `forces` (C, 3), N.
 
-    The columns of the rows of inequalities and cones are orthogonal: the least multipliers follow without a solution of
-    equations. Rows where sliding is excluded get a rough size.
+    The rows of inequalities and cones form a matrix with orthogonal columns, so the least multipliers follow without a
+    solution of equations. Where sliding is excluded, the multipliers have only roughly the right size.
     """
     flow_rule = problem.flow_rule
     squares = np.asarray(flow_rule.multiply(flow_rule).sum(axis=0)).ravel()

@@ -24,7 +24,7 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     An end is infinite where nothing limits it, and NaN where no state of equilibrium exists or the solver found no
     optimum. The unknowns of the kinematic programme are the twists of the free blocks and two motions of the support
     along its own direction, at least 0: the multipliers of the two limits on the reaction. A unit dislocation along
-    `direction` drives it.
+    `direction` drives the programme.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
         optimum_value = float(power @ answer.x) * assembly.weight
         bound = {ProgrammeOutcome.OPTIMUM: optimum_value, ProgrammeOutcome.EMPTY: -np.inf}.get(answer.outcome, np.nan)
         ends.append(sign * bound)
-    # The dislocation moves the support, so these bound the force on it; the signs turn it into that on the structure.
+    # The dislocation moves the support, so the ends bound the force on the support; the signs turn it into the force on the structure.
     return -ends[1], -ends[0]
 
 
@@ -75,7 +75,7 @@ def level_sums(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
 
 
 def sums_in_equilibrium(assembly: Assembly, multiplier: float) -> np.ndarray:
-    """Force (levels, 3), N, that `level_sums` has in equilibrium with the loads. multiplier: that of the live load, 0 without one."""
+    """Force (levels, 3), N, that `level_sums` returns in equilibrium with the loads. multiplier: of the live load, 0 without one."""
     loads = assembly.dead_load[:, :3] + multiplier * assembly.live_load[:, :3]
     return -(_above(assembly).astype(float) @ loads)
 

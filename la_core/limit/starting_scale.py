@@ -1,7 +1,7 @@
 """Scale of the rows of a programme, from which the conic solver starts nearer to its answer.
 
-The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone leave the cone as
-it is. They change the start only, and which of several possible answers the solver returns.
+The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone do not change the
+cone. They change only the start, and the choice of the solver where several answers are possible.
 """
 
 import numpy as np
@@ -10,8 +10,8 @@ from la_core.limit.problem import ScaledProblem, multipliers_of, points_of_rows
 from la_core.model import Assembly
 
 HEAD_SCALE = 10.0  # of the rows of joints parallel to gravity; joints perpendicular to it have 1
-NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the inverse of the least one: larger ones cost accuracy
-NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; less of it leaves forces out of balance
+NEAR_SCALE = 15.0  # largest scale from the forces of a similar problem, and inverse of the least scale: larger scales cost accuracy
+NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; a smaller one leaves forces out of balance
 
 
 def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, forces: np.ndarray | None) -> np.ndarray:
@@ -33,7 +33,7 @@ def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, force
 
 
 def _sizes_of_multipliers(assembly: Assembly, problem: ScaledProblem, forces: np.ndarray) -> np.ndarray:
-    """Sizes (m,) of the multipliers whose contact forces are `forces` (C, 3), N; a cone of three rows has that of its first."""
+    """Sizes (m,) of the multipliers whose contact forces are `forces` (C, 3), N; all three rows of a cone have the size of the first."""
     sizes = np.abs(multipliers_of(assembly, problem, forces))
     cones = 3 * problem.cones.second_order
     if cones:

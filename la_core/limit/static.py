@@ -209,7 +209,7 @@ def _limit_violation(assembly: Assembly, forces: np.ndarray, limits: tuple[np.nd
 def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
     """Largest violation of u_n >= slope |u_t| over the speed of the fastest block.
 
-    Limits that fall with n bound the normal force. Every motion is then admissible, and resists with a finite power.
+    Limits that fall with n bound the normal force. Every motion is then admissible, and meets a resistance of finite power.
     """
     parting, sliding = contact_speeds(assembly, twists)
     unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
@@ -223,7 +223,7 @@ def _value_of_mechanism(
 ) -> float:
     """Bound of the value by virtual power: of the weights, and of the forces within the limits that resist the mechanism least.
 
-    At these forces n = 0 and |t| = intercept. Where the limit falls with n, the largest n may resist less; it is
+    At these forces n = 0 and |t| = intercept. Where the limit falls with n, the largest n may resist less. This n is
     taken no larger than the largest force of the state.
     """
     parting, sliding = contact_speeds(assembly, twists)

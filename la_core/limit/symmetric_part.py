@@ -2,8 +2,8 @@
 
 A bound is a convex programme. The mirror image of an admissible motion is admissible and has the same power, and so has
 the mean of both. Some best motion is therefore symmetric, and so are some best forces. A symmetric motion has one unknown
-for all unknowns that are images of each other. The cone conditions of a contact point are those of all its images: one of
-them is enough, and its multiplier is the sum of theirs.
+for all unknowns that are images of each other. A contact point and its images have the same
+cone conditions. One of these is enough, and its multiplier is the sum of the multipliers of all.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from la_core.limit.problem import DrivenProblem, ScaledProblem, multipliers_of, 
 from la_core.model import SAME_LOAD, Assembly, Image, global_forces, images, twists_of
 
 LEAST_UNKNOWNS = 1000  # 333 blocks in the plane, 167 in space: for less the search was not worth its time
-ROUND_OFF = 1e-12  # an entry of the part below this, beside entries of order one, is what should have cancelled
+ROUND_OFF = 1e-12  # a smaller entry of the part, beside entries of order one, is a sum that should vanish
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class SymmetricPart:
         return replace(driven, power=self.basis.T @ driven.power, rows=rows, offset=driven.offset[self.kept], cones=cones)
 
     def at_rest(self, problem: ScaledProblem) -> ScaledProblem:
-        """Return the problem of the symmetric motions without a drive; power, rows and cones are the part's, all else the whole's."""
+        """Return the problem of the symmetric motions without a drive; only power, rows and cones are those of the part."""
         rows, cones = self._reduced(problem.rows, problem.cones, self.kept[-problem.rows.shape[0] :])
         return replace(problem, power=self.basis.T @ problem.power, rows=rows, cones=cones)
 
     def _reduced(self, rows: sparse.csr_matrix, cones: Cones, kept: np.ndarray) -> tuple[sparse.csr_matrix, Cones]:
         """Rows of the part and their cones; kept: mask of the rows."""
         reduced = (rows[np.flatnonzero(kept)] @ self.basis).tocsr()
-        reduced.data[np.abs(reduced.data) < ROUND_OFF] = 0.0  # a row of such entries alone would be scaled up by equilibration
+        reduced.data[np.abs(reduced.data) < ROUND_OFF] = 0.0  # equilibration would scale up a row that has only such entries
         reduced.eliminate_zeros()
         first, last = cones.equalities, cones.equalities + cones.inequalities
         return reduced, replace(cones, inequalities=int(kept[first:last].sum()), second_order=int(kept[last:].sum()) // 3)
@@ -58,7 +58,7 @@ class SymmetricPart:
     def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> ProgrammeAnswer:
         """Return the answer of the whole problem from that of the symmetric motions.
 
-        Each contact point gets the mean of what the images of the kept points bring there.
+        Each contact point gets the mean, over the images, of the forces that they bring there from the kept points.
         """
         multipliers = np.zeros(len(self.kept))
         multipliers[self.kept] = answer.multipliers
@@ -115,7 +115,7 @@ def _basis(assembly: Assembly, axes: np.ndarray, group: list[Image]) -> sparse.c
     place, sign = np.array(places), np.array(signs)
     first = place.min(axis=0)
     value = np.take_along_axis(sign, place.argmin(axis=0)[None], axis=0)[0]
-    is_opposite = ((place == first) & (sign != value)).any(axis=0)  # an unknown that is its own opposite vanishes
+    is_opposite = ((place == first) & (sign != value)).any(axis=0)  # an unknown whose image is its own opposite vanishes
     unknown = np.flatnonzero(~is_opposite)
     column = np.unique(first[unknown], return_inverse=True)[1]
     motions = sparse.csr_matrix((value[unknown], (unknown, column)), shape=(blocks * width, column.max() + 1))
