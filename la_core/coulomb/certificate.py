@@ -2,14 +2,14 @@
 
 A limit state is a set of contact forces with a mechanism: the forces balance the weights and lie in the friction cones,
 loaded joints do not part, friction mu n acts against the slip, and the power of the weights equals the dissipation plus
-the power of the support or of the live load. The drag and the changing strain of the joints keep a path from this
-exactly; every residual measures what they leave.
+the power of the support or of the live load. The drag and the changing strain of the joints keep a path slightly away
+from such a state; the residuals measure the distance.
 
-A small structure comes this close on its path. A large one creeps for too long; the limit state next to the end of its path is
-computed instead. Forces f and a mechanism miss a limit state by the power that should vanish, sum(n |u_n| + mu n |u_t| + t . u_t),
-with the rates u of parting and slip. For a mechanism it is linear in the forces, and for forces it is convex in the mechanism. Two
-conic programmes in turn therefore lower it: forces in balance for the mechanism, then the mechanism for these forces,
-each as near to the one before as a slight quadratic term keeps it.
+A small structure comes close enough on its path. A large one creeps for too long, so the limit state next to the end of its path is
+computed instead. Forces and a mechanism differ from a limit state by a power that should vanish, sum(n |u_n| + mu n |u_t| + t . u_t),
+with the rates u of parting and slip. This power is linear in the forces for a given mechanism, and convex in the mechanism for given
+forces. Two conic programmes in turn lower it: one finds forces in balance for the mechanism, the other the mechanism for these
+forces. A slight quadratic term keeps the forces near those of the path, and the mechanism near that of the round before.
 """
 
 from collections.abc import Callable
@@ -28,14 +28,15 @@ from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
-END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, but not below this number
+END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: share of those of the path, and least number
 END_STEPS = 20  # least number of steps of the last stretch
-LEAST_WORK = 1e-3  # of the weight's work over the support's motion
+LEAST_WORK = 1e-3  # of the weight's power at the support's rate: least power that residuals are relative to
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
-# Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
-# its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
+# Weights of half the squared distances, over the power in mean block weights. Forces, from those at the end of the path: first weight, its
+# factor from round to round, least weight. Rates, from those of the round before: one weight. A light weight from the start would move the
+# value needlessly.
 NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-8, 1e-6
-# Of the largest residual of the round before: where a round with the least weight leaves more, further ones bring nothing. While the
+# Of the largest residual of the round before. Where a round with the least weight leaves more, further rounds bring nothing. While the
 # weight still falls they may: on a wall of 1,008 blocks the second round left 0.97 of it, and the fifth, which was certified, 0.77.
 MOST_LEFT = 0.97
 
@@ -66,7 +67,7 @@ class Certificate:
 
     @property
     def worst(self) -> float:
-        """Largest residual; NaN where one is."""
+        """Largest residual; NaN where one is undefined."""
         return float(np.max([self.equilibrium, self.cone, self.parting, self.sliding, self.power]))
 
 
@@ -79,7 +80,7 @@ class End:
     certificate: Certificate
 
     def or_nearer(self, other: "End") -> "End":
-        """Return the one that is nearer to a limit state; one with an undefined residual is the farther one."""
+        """Return this end or the other, whichever is nearer to a limit state; an end with an undefined residual is the farther one."""
         worst, of_other = self.certificate.worst, other.certificate.worst
         return other if of_other < worst or (np.isnan(worst) and not np.isnan(of_other)) else self
 
@@ -113,15 +114,15 @@ def mechanism_and_forces(joints: ElasticJoints, end: End) -> tuple[np.ndarray, n
 
 
 def error_of_forces(joints: ElasticJoints, end: End) -> float:
-    """Return by how much errors of the forces at the end of a path may change the value (N, N m or multiplier), on the safe side.
+    """Return a cautious estimate of the error of the value (N, N m or multiplier) from errors of the forces at the end of a path.
 
-    The forces are slightly out of balance. Where joints part or slide, their work differs from that in a limit state. A path leaves out
-    friction that is round-off beside heavy blocks, and this friction may matter to light ones.
+    The forces are slightly out of balance. Where joints part or slide, the work of the forces differs from that in a limit state. A path
+    leaves out friction that is round-off beside heavy blocks, and this friction may matter to light ones.
     """
     multiplier = joints.value_in_units(end.last.multiplier) if joints.live else 0.0
     unbalanced = residuals.most_power_of_unbalanced(joints.assembly, *mechanism_and_forces(joints, end), multiplier)
     parting, lacking, _ = joint_powers(joints, end.before, end.last)
-    at_joints = float((1.0 + joints.friction) @ (parting + lacking))  # friction that is missing may also press on another joint that slides
+    at_joints = float((1.0 + joints.friction) @ (parting + lacking))  # missing friction may also press on another sliding joint
     return unbalanced + abs(joints.value_in_units(at_joints))
 
 
@@ -152,7 +153,7 @@ class _Pressed:
 
     def __init__(self, joints: ElasticJoints, state: State) -> None:
         self.joints = joints
-        self.points = np.flatnonzero(state.joints.displacement[:, 0] <= joints.sag)  # a joint that is open by more carries nothing
+        self.points = np.flatnonzero(state.joints.displacement[:, 0] <= joints.sag)  # a joint open by more than the sag carries nothing
         self.count, self.width = len(self.points), joints.width
         rows = (self.points[:, None] * self.width + np.arange(self.width)).ravel()
         self.kinematics = joints.kinematics[rows].tocsr()
@@ -168,19 +169,19 @@ class _Pressed:
         return Cones(equalities, others + (2 * self.count if plane else 0), 0 if plane else self.count)
 
     def _in_cones(self, size: sparse.spmatrix, parts: list[sparse.spmatrix]) -> sparse.csr_matrix:
-        """Rows that hold a tangential vector of `parts` within `size`, in the order of `_cones`."""
+        """Rows that limit the size of the tangential vectors `parts` to `size`, in the order of `_cones`."""
         if self.width == 2:
             return sparse.vstack([size - parts[0], size + parts[0]]).tocsr()
         order = (np.arange(3)[None, :] * self.count + np.arange(self.count)[:, None]).ravel()
         return sparse.vstack([size, *parts]).tocsr()[order]
 
     def _axis(self, number: int) -> sparse.csr_matrix:
-        """Matrix (P, P k) that takes one axis of every point."""
+        """Matrix (P, P k) that picks the component along one axis at every point."""
         row = np.arange(self.count)
         return sparse.csr_matrix((np.ones(self.count), (row, row * self.width + number)), shape=(self.count, self.count * self.width))
 
     def _force_frame(self, held: bool) -> tuple[sparse.csr_matrix, Cones]:
-        """Rows of the forces and the value, which is the last unknown, and their cones; one more row where the value is held."""
+        """Rows and cones of the programme for the forces and for the value, its last unknown; one more row fixes a held value."""
         normal, *tangents = (self._axis(i) for i in range(self.width))
         cone = self._in_cones(sparse.diags(self.friction) @ normal, tangents)
         reaction = None if self.joints.live else sparse.csr_matrix(self.motion.reshape(1, -1))
@@ -191,9 +192,9 @@ class _Pressed:
         return frame, self._cones(len(self.joints.weights) + len(columns) - 1, self.count)
 
     def _mechanism_programme(self) -> Programme:
-        """Programme whose unknowns are the rates of the free blocks, then the size of parting at every point, then that of slip.
+        """Programme whose unknowns are the rates of the free blocks, then the sizes of parting at all points, then those of slip.
 
-        Under a live load the loaded points move by one unit.
+        Under a live load the mean rate along the load is one.
         """
         normal, *tangents = (self._axis(i) @ self.kinematics for i in range(self.width))
         freedoms, one = len(self.joints.weights), sparse.identity(self.count)
@@ -208,9 +209,9 @@ class _Pressed:
         return Programme(sparse.vstack([live, parting, cone]).tocsr(), self._cones(self.live.shape[0], 2 * self.count), quadratic)
 
     def forces(self, rate: np.ndarray, end: tuple[np.ndarray, float], near: float, held: bool) -> tuple[np.ndarray, float] | None:
-        """Forces (P, k) in balance, near those at the end of the path, and their value; on a mechanism they have the least wrong power.
+        """Forces (P, k) in balance with the least wrong power in a mechanism, near those at the end of the path, and their value.
 
-        Wrong is the power that vanishes in a limit state. The value is that of the end where it is `held`. None without an answer.
+        The wrong power is the power that vanishes in a limit state. A `held` value is that at the end. None without an answer.
         """
         at_end, value = end
         u = (self.kinematics @ rate).reshape(self.count, self.width) + self.motion
@@ -225,7 +226,7 @@ class _Pressed:
         return answer.x[:-1].reshape(self.count, self.width) / self.blocks, float(answer.x[-1]) / self.blocks
 
     def mechanism(self, forces: np.ndarray, before: np.ndarray) -> np.ndarray | None:
-        """Rates (n,) of the free blocks, near those before, on which forces have the least wrong power; None without an answer."""
+        """Rates (n,) of the free blocks, near `before`, in which the forces have the least wrong power; None without an answer."""
         normal = np.maximum(forces[:, 0], 0.0) * self.blocks
         friction = np.concatenate([np.zeros((self.count, 1)), forces[:, 1:] * self.blocks], axis=1)
         power = np.concatenate([NEAR_RATE * before - self.kinematics.T @ friction.ravel(), -normal, -self.friction * normal])
@@ -239,7 +240,7 @@ class _Pressed:
         return answer.x[: len(self.joints.weights)] if answer.outcome is ProgrammeOutcome.OPTIMUM else None
 
     def states(self, last: State, forces: np.ndarray, value: float, rate: np.ndarray) -> tuple[State, State]:
-        """The end of a path with these forces, and the state from which the mechanism leads there in one travel, without strain."""
+        """State from which the mechanism leads to the end of a path in one travel, without strain, and that end with these forces."""
         force = np.zeros_like(last.joints.force)
         force[self.points] = forces
         joints = replace(last.joints, force=force, memory=force[:, 1:])
@@ -250,7 +251,7 @@ class _Pressed:
 
 
 def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: None) -> End:
-    """Limit state near the end of a path, or the closest that is found.
+    """Limit state near the end of a path, or the closest state that is found.
 
     It has the value of the path, unless no limit state with that value is found. tell: called before every round.
     """

@@ -1,4 +1,4 @@
-"""Reaction against settlement, or live load against displacement, from rest to a settlement that the user requests."""
+"""Curve of the reaction over the settlement, or of the multiplier over the displacement, from rest to a requested end."""
 
 import time
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from la_core.geometry import Held
 from la_core.model import Assembly, JointStiffness
 
 FIRST_VISCOSITY = 1e-3
-LEAST_SHARE = 1e-6  # of the weight, or a multiplier: the drag of smaller values is relative to this
+LEAST_SHARE = 1e-6  # of the weight, or a multiplier: at smaller values the drag is relative to this
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,7 +32,7 @@ class EquilibriumPath(Held):
     strain_residual : (P,) array
         Part of the value that replaces the drag of the path, over the value.
     converged : (P,) array of bool
-        True: increments that the path does not reach have no point. Files of earlier versions may hold False.
+        Always True, because increments that the path does not reach have no point. Files of earlier versions may contain False.
     solves : (P,) array of int
         Newton iterations of each increment.
     seconds : float

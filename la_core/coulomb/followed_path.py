@@ -1,4 +1,4 @@
-"""One path of a prediction, its limits, and its progress for whoever waits for it; the path of a large structure.
+"""One path of a prediction: its limits and the reports of its progress; the path of a large structure.
 
 A large structure has joints that part and slip gradually at first and become sharp at the end.
 """
@@ -18,8 +18,8 @@ from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import Plateau
 
-# Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64 travels,
-# six doublings took 988 iterations and four, which left an uncertainty of 1.6 %, took 981.
+# Doublings of the travel where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64
+# travels, six doublings took 988 iterations and four, which left an uncertainty of 1.6 %, took 981.
 MOST_DOUBLINGS = 6
 ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value
 LAST_VISCOSITY = 1e-6  # after annealing
@@ -28,15 +28,15 @@ LAST_VISCOSITY = 1e-6  # after annealing
 LARGE = 2500.0
 BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last one as its fourth power
 # Force over which joints part and slip, in mean contact forces: over the first viscosity; at most at the end. The stretch on which they
-# become sharp, over the travel before. On 48 walls of 60 to 160 blocks a force of 30, 3, 0.3 and 0.03 left 5.6, 2.4, 0.8 and 0.3 % in the
-# median: about as the root of the force, as does the law itself.
+# become sharp, over the travel before. On 48 walls of 60 to 160 blocks a force of 30, 3, 0.3 and 0.03 left an error of 5.6, 2.4, 0.8 and
+# 0.3 % in the median. The error falls about as the root of the force, as does that of the law itself.
 SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
-LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
+LAW_ERROR = 3.0  # times the root of that force times the mean contact force: largest error of a smooth joint's force
 LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
-NEARLY = 0.01  # of a progress: a path that lacks no more has come to it
+NEARLY = 0.01  # of a progress: a path that is short of it by less has reached it
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 
 
@@ -47,20 +47,21 @@ class PredictionSettings:
     Attributes
     ----------
     viscosities : tuple of float
-        First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first; more for large
-        structures with sharp joints, LESS_VISCOUS times as much with smooth ones. Where paths disagree, one with a tenth of the least
-        viscosity follows, if the effort allows. Where the value after a release is uncertain, one follows that takes finer steps, too.
+        First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first. It is higher for
+        large structures with sharp joints, and LESS_VISCOUS times as high with smooth joints. Where paths disagree, a path with a tenth of
+        the least viscosity follows, if the effort allows. Where the value after a release is uncertain, such a path follows with finer
+        steps.
     finer : float
         Factor by which the limits of a step are divided.
     effort : float
-        Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not. Beyond LARGE
-        unknowns they fall no further: a facade of 9,200 would otherwise end at 98 % of its travel. A path with smooth joints may take
-        MORE_EFFORT times as many, and its limit AGAIN grows as the effort.
+        Limit of the Newton iterations of one path, times the square root of the unknowns; the path ends there, flat or not. Beyond
+        LARGE unknowns the limit falls no further: a facade of 9,200 would otherwise end at 98 % of its travel. A path with smooth joints
+        may take MORE_EFFORT times as many iterations, and its limit AGAIN is in proportion to the effort.
     doublings : int
-        How often the travel may be doubled where the curve is not flat.
+        Largest number of doublings of the travel where the curve is not flat.
     with_release : bool
-        Whether paths with small rotations go on with finite ones where their mechanism allows several values, to say what turning
-        blocks release.
+        Whether paths with small rotations go on with finite rotations where their mechanism allows several values, to find the value
+        after a release.
     """
 
     viscosities: tuple[float, ...] = (1e-2, 1e-3)
@@ -71,7 +72,7 @@ class PredictionSettings:
 
     @property
     def viscosities_in_turn(self) -> tuple[float, ...]:
-        """First viscosity of each path, then that of the one more path that may follow."""
+        """First viscosity of each path, then that of the additional path that may follow."""
         return (*self.viscosities, self.viscosities[-1] / 10.0)
 
 
@@ -164,7 +165,7 @@ class FollowedPath:
     viscosity: float
     exhausted: bool
     is_short: bool = False  # whether it ended before its least travel
-    smooth_error: float = 0.0  # most by which the law of its smooth joints is off, force at a contact point; 0 of sharp joints
+    smooth_error: float = 0.0  # largest error of the law of its smooth joints, force at a contact point; 0 for sharp joints
     on_the_way: tuple[float, ...] = ()  # values of plateaus that the curve leaves, and at its end
     first_travel: QuasiStaticPath | None = None  # the path at the end of its first travel; None where joints are smooth or it ends before
 
@@ -194,8 +195,9 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
 def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float, float]:
     """Least and longest progress of a path. A structure that turns farther has another geometry.
 
-    Under a live load both follow from the pace so far. It may still change a little: a path that has nearly come to its least progress is
-    there. The longest progress is at least twice that at which the viscosity has fallen, because the second half of a curve is judged.
+    Under a live load both follow from the pace so far. The pace may still change a little, so a path that has nearly come to its least
+    progress counts as there. The longest progress is at least twice the progress at which the viscosity has fallen, because the second half
+    of a curve is judged.
     """
     first, least, reached = first_travel(path.joints), least_travel(path.joints), path.last.progress
     if path.joints.turning is None:
@@ -206,14 +208,14 @@ def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float,
 
 
 def first_end(path: QuasiStaticPath, usual: float) -> float:
-    """Progress at which a path is looked at first: earlier than usual where blocks turn under a live load, for their pace may be high."""
+    """Progress at which a path is judged first: earlier than usual where blocks turn under a live load, because their pace may be high."""
     joints = path.joints
     is_early = joints.live and joints.turning is not None
     return max(first_travel(joints) / STIFFER, path.last.progress) if is_early else usual
 
 
 def next_end(end: float, least: float, longest: float) -> float:
-    """Progress at which a path is looked at next: twice as far, but not beyond its least progress, nor beyond its longest."""
+    """Progress at which a path is judged next: twice as far, but at its least progress if that comes first, and at most its longest."""
     return least if end < least < 2.0 * end else min(2.0 * end, longest)
 
 
@@ -232,7 +234,7 @@ def follow_large(
 ) -> FollowedPath | None:
     """Follow a path with smooth joints to its plateau, then with joints that become sharp.
 
-    The finest path goes on to the limit state near its end; a coarser one only shows what the smoothing changes. None where the
+    The finest path goes on to the limit state near its end; a coarser one only shows the effect of the smoothing. None where the
     path cannot begin.
     """
     travel, most = first_travel(joints), MORE_EFFORT * most_iterations(joints, settings)
@@ -262,8 +264,8 @@ def follow_large(
 def _to_plateau(path: QuasiStaticPath, settings: PredictionSettings, most: float, send: Sender) -> float:
     """Follow a path over its least travel, and on until its plateau is known or blocks cease to turn; return the end.
 
-    most: most iterations of the path. Beyond its least travel it takes at most AGAIN times those of this travel, at the usual effort. Where
-    they end the path within its least travel, its progress is below the returned end.
+    most: most Newton iterations of the path. Beyond its least travel it takes at most AGAIN times the iterations of that travel, at the
+    usual effort. Where the iterations end the path within its least travel, its progress is below the returned end.
     """
     again, end = AGAIN * settings.effort / PredictionSettings.effort, first_end(path, least_travel(path.joints))
     least, is_cut = travels(path, settings)[0], False

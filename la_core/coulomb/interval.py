@@ -20,17 +20,18 @@ from la_core.coulomb.path.joint_rates import JointRates, joint_rates
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
-# Of the support's motion: slower slip and parting count as sticking. The first is used; an interval that moves with the second is unknown.
+# Of the support's motion: slower slip and parting count as sticking. The first threshold gives the interval, which is unknown if the second
+# one moves it.
 THRESHOLDS = (0.01, 0.003)
 LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
-# Friction with a coefficient below SLIGHT may act in any direction: this hardly moves an end; exact directions contradict equilibrium.
+# Friction with a coefficient below SLIGHT may act in any direction. This hardly moves an end; exact directions may contradict equilibrium.
 SLIGHT = 1e-5
-ROUND_OFF = 1e-6  # of a scaled value: accuracy of the programmes. A reaction of 0 is certain to far more digits than their two ends.
+ROUND_OFF = 1e-6  # of a scaled value: accuracy of the programmes. A reaction of 0 is certain to far more digits than the two ends.
 # Width of an interval over the value, up to which a mechanism counts as allowing one value. Of 563 random scenes whose prediction is known
 # for both rotations, 24 change by more than 1 %. The mechanism of 23 has an interval of 0.022 or more, or an unknown one; the 24th changes
 # its mechanism.
 ONE_VALUE = 0.01
-FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
+FAN = 0.01  # rad: accuracy of the direction of slip; in 3D, many exact directions at once would contradict equilibrium
 
 
 def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float) -> tuple[float, float]:
@@ -57,14 +58,14 @@ def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointStat
 
 
 def interval_status(interval: tuple[float, float]) -> str:
-    """What is known of an interval: "not stated" where an end is NaN, "unlimited" where one is infinite, else "limited"."""
+    """Status of an interval: "not stated" where an end is NaN, "unlimited" where one is infinite, else "limited"."""
     if np.isnan(interval).any():
         return "not stated"
     return "limited" if np.isfinite(interval).all() else "unlimited"
 
 
 def relative_width(interval: tuple[float, float], value: float, unit: float) -> float:
-    """Width of an interval over its value; NaN where it is not stated. unit: value of a scaled one."""
+    """Width of an interval over its value; NaN where the interval is not stated. unit: value whose scaled value is 1."""
     low, high = interval
     return (high - low) / unit / plateau.reference_size(value / unit)
 
@@ -72,9 +73,9 @@ def relative_width(interval: tuple[float, float], value: float, unit: float) -> 
 def stated_interval(
     joints: ElasticJoints, mechanisms: Sequence[tuple[State, State]], value: float, uncertainty: float
 ) -> tuple[float, float]:
-    """Interval of the first of several mechanisms, scaled; NaN where it moves by more than ALIKE or does not contain the value.
+    """Interval of the first of several mechanisms, scaled; NaN where it is uncertain or does not contain the value.
 
-    It may move with the threshold of slip and parting, and from mechanism to mechanism.
+    It is uncertain where an end moves by more than ALIKE with the threshold of slip and parting, or from mechanism to mechanism.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
-"""Whether the certified end of a path lasts, or a contact point is about to close, to open or to slide.
+"""Test of the certified end of a path: it does not last if a contact point is about to close, to open or to slide.
 
 Blocks as laid have no gaps. A gap of elastic joints, which formed on the way to a plateau, may close long after the curve is flat, and
-another mechanism follows: a rubble wall of 12 stones loses 1.2 % when a gap of one sag has closed, after 1.7 travels. So does a point that
-sticks while its force still changes a little: a pointed vault changes by 0.14 % when a point opens, 11 travels after its curve was flat.
+another mechanism follows: a rubble wall of 12 stones loses 1.2 % when a gap of one sag has closed, after 1.7 travels. A point
+that sticks while its force still changes may open or slide as late: a pointed vault changes by 0.14 % when a point opens, 11 travels after
+its curve was flat.
 """
 
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ LEAST_CLOSING = 1e-3  # over the support's rate: an open point that closes more 
 
 
 def next_change(joints: ElasticJoints, before: State, last: State) -> float:
-    """Progress at which a contact point changes its state if all goes on as from `before` to `last`; infinite where none does."""
+    """Progress at which the next contact point changes its state if the rates from `before` to `last` stay; infinite where none does."""
     return last.progress + min(_until_one_closes(joints, before, last), _until_one_gives_way(joints, before, last))
 
 
@@ -31,14 +32,14 @@ def _until_one_closes(joints: ElasticJoints, before: State, last: State) -> floa
 
 
 def _until_one_gives_way(joints: ElasticJoints, before: State, last: State) -> float:
-    """Progress until a loaded point opens, or one that sticks comes to mu n; forces below an accepted residual count as zero."""
+    """Progress until a loaded point opens, or a sticking point reaches mu n; forces below an accepted residual count as zero."""
     force, stride = last.joints.force, last.progress - before.progress
     rate = (force - before.joints.force) / stride
     normal, friction, normal_rate, friction_rate = force[:, 0], force[:, 1:], rate[:, 0], rate[:, 1:]
     least = ACCEPTED_RESIDUAL * joints.freedoms / len(joints.weights)
     opens = (normal > least) & (normal_rate < 0.0)
     sticks = joints.friction * normal - np.linalg.norm(friction, axis=1) > least
-    # The least positive root s of (mu n)^2 = |t|^2, n and t linear in s, in the form that no vanishing coefficient upsets.
+    # The least positive root s of (mu n)^2 = |t|^2, with n and t linear in s; this form also holds where a coefficient vanishes.
     square = (joints.friction * normal_rate) ** 2 - np.sum(friction_rate**2, axis=1)
     linear = 2.0 * (joints.friction**2 * normal * normal_rate - np.sum(friction * friction_rate, axis=1))
     constant = (joints.friction * normal) ** 2 - np.sum(friction**2, axis=1)
@@ -51,16 +52,16 @@ def _until_one_gives_way(joints: ElasticJoints, before: State, last: State) -> f
 
 @dataclass
 class Lasting:
-    """Whether a certified end lasts: as the blocks go on no contact point changes its state, or one has and the value is the same.
+    """Test whether a certified end lasts: no contact point changes its state before `latest`, or the last change left the value the same.
 
     Attributes
     ----------
     latest : float
         Progress beyond which no change counts.
     awaited : float
-        Progress at which a contact point changes its state.
+        Progress at which the next contact point changes its state.
     value : float
-        Value of the path at the end that was looked at last; NaN before.
+        Value of the path at the certified end tested last; NaN before the first test.
     """
 
     latest: float
@@ -68,7 +69,7 @@ class Lasting:
     value: float = np.nan
 
     def holds(self, path: QuasiStaticPath, before: State, last: State) -> bool:
-        """Look at a certified end, a mechanism from `before` to `last`, and say whether it lasts."""
+        """Test a certified end, with its mechanism from `before` to `last`; True where it lasts."""
         if last.progress < self.awaited:
             return False
         earlier, self.value = self.value, path.value(last)

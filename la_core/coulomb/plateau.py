@@ -1,6 +1,6 @@
-"""Plateau of a curve: whether it is flat, its value, and what the paths leave uncertain.
+"""Plateau of a curve: its flatness, its value and its uncertainty.
 
-A value is judged against the larger of its size and a share of the weight, so that a reaction of zero is flat, too.
+Differences are relative to the value or to a share of the weight, whichever is larger, so that a curve at zero can be flat, too.
 """
 
 import itertools
@@ -12,19 +12,19 @@ import numpy as np
 from la_core.exchange import UNCERTAIN
 
 FLAT = 5e-4  # of the value: change between the means over two successive stretches of a flat curve
-LEAST = 1e-3  # of the weight, or a multiplier: smaller values are judged by this
+LEAST = 1e-3  # of the weight, or a multiplier: differences of smaller values are relative to this
 ALIKE = 1e-2  # of the value: plateaus closer than this are one
-# Times its last change: what a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
-# changed it by about three quarters of the change before; such changes add up to three times the last one.
+# Times its last change: how far a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
+# changed the value by about three quarters of the change before; such changes add up to three times the last one.
 UNFINISHED = 3.0
-EARLY = UNCERTAIN  # of the value: largest doubt about a plateau that the curve leaves
-LEFT = 3.0  # times the doubt about the best plateau so far: the curve has left it
-TAIL = 0.05  # share of the travel at either end of the values that counts as stray: a jump in progress
+EARLY = UNCERTAIN  # of the value: largest doubt about a plateau that is reported although the curve leaves it
+LEFT = 3.0  # times the doubt about the best plateau so far: where the doubt is larger, the curve has left it
+TAIL = 0.05  # share of a stretch with its largest, and with its smallest values, left out as stray: a jump is in progress
 
 
 @dataclass(frozen=True)
 class Plateau:
-    """What one path comes to; all numbers are scaled.
+    """Plateau of one path; all numbers are scaled.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: floa
 def peak_before(values: np.ndarray, level: float, near: float) -> float:
     """Greatest value of a curve (P,) on the way to a level: before it comes within `near` of the level for the last time.
 
-    What comes after the level does not count. A curve that never comes to it counts whole.
+    Later values do not count. If the curve never comes so near, all of its values count.
     """
     at_level = np.flatnonzero(np.abs(values - level) <= near)
     return float(values[: at_level[-1]].max(initial=-np.inf) if len(at_level) else values.max())
@@ -109,7 +109,7 @@ def _mean(progress: np.ndarray, values: np.ndarray, low: float, high: float) -> 
 
 
 def groups(values: Sequence[float]) -> list[list[int]]:
-    """Indices of the values that belong together: neighbours in size are closer than ALIKE."""
+    """Indices of the values in groups; within a group, neighbours in size differ by at most ALIKE."""
     order = np.argsort(values)
     found = [[int(order[0])]]
     for left, right in itertools.pairwise(order):

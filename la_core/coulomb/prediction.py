@@ -3,7 +3,7 @@
 With rigid joints the plateau of such friction is not unique. The elasticity of the joints, however stiff, and the way from
 rest select the physical one. The structure is therefore followed from rest along several quasi-static paths, which
 differ in the viscosity that they begin with. The travel is doubled until the curve is flat. The answer is the certified
-end of the finest path; what the paths and the rest of the curve leave open is its uncertainty.
+end of the finest path. Its uncertainty comes from the differences between the paths and from the rest of the curve.
 """
 
 import math
@@ -32,12 +32,12 @@ from la_core.side_by_side import side_by_side
 # Largest distance of a value from the nearest end of its mechanism's interval, over the value, where blocks lock as they dilate. Of 66
 # values that YADE confirmed none was farther than 0.10; a block against a step, whose value YADE did not confirm, was 0.45 away.
 LOCKED_IN = 0.25
-# Largest uncertainty of an answer, over the weight, or over the value where this is larger. Blocks that fall on one path leave a million
-# weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
+# Largest uncertainty of an answer, over the weight, or over the value where this is larger. Blocks that fall on one path leave an
+# uncertainty of a million weights (`flat_arch` with a friction of 0.4); a row of blocks that jams between held ones, 1.2 times its value.
 UNKNOWN = 100.0
 # Factor by which the limits of a step are divided on one more path, where the value after a release is uncertain. Such a structure passes
-# many states on its way, and all paths with the usual steps may end in the same wrong one. On the wall that led to this path a factor of
-# 1.3 already showed that they do, and 3 led to the value of YADE.
+# many states on its way, and all paths with the usual steps may end in the same wrong one. On the wall that led to this rule a factor of
+# 1.3 already showed another state, and 3 led to the value of YADE.
 FINER_STEPS = 3.0
 
 
@@ -61,7 +61,7 @@ def predict(
     associated : Solution
         Associated answer of the same assembly. The path is followed where it is SOLVED, and also where it is UNBOUNDED and the
         joints are elastic: blocks that lock as they dilate may move without dilatancy. Only a certain plateau is then an answer.
-        Without an answer the prediction has no value, and this status.
+        Without an answer the prediction has no value, and the status of the associated answer.
     wedging : float
         Motion of the support against its settlement before gravity acts, m or rad.
     settings : PredictionSettings, optional
@@ -69,7 +69,7 @@ def predict(
     report : callable, optional
         Receives the progress of the paths.
     as_given : bool
-        Whether finite rotations are those of joints with this stiffness, over the travel; if not, the path stands for stiffer joints.
+        Whether finite rotations are those of joints with this stiffness, over the travel; if not, the path represents stiffer joints.
     """
     has_bound = associated.status is Status.SOLVED
     may_move = associated.status is Status.UNBOUNDED and assembly.effects.elasticity != "none"
@@ -85,9 +85,9 @@ def predict(
 
 
 def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> CoulombSolution:
-    """Return the prediction with an uncertainty that reaches to the bound where its value is beyond: no state in balance is there.
+    """Return the prediction. If its value lies beyond the bound, where no equilibrium exists, its uncertainty reaches to the bound.
 
-    A path may end beyond while its drag still holds blocks that fail first, because they have little of the mass.
+    A path may end beyond the bound where blocks with little of the mass fail first: its drag still holds them.
     """
     sign = 1.0 if is_live else -1.0
     uncertainty = max(solution.uncertainty, sign * (solution.value - bound))
@@ -99,7 +99,7 @@ def _is_held_back(solution: CoulombSolution, unit: float) -> bool:
     """Whether the multiplier of a plateau, or of one on the way, is negative: such a load holds back blocks that fall without it.
 
     The structure rests without the load. A load that grows from nothing never becomes negative, so the blocks fall before this plateau.
-    unit: value of a scaled one.
+    unit: value whose scaled value is 1.
     """
     return solution.value < -solution.uncertainty or solution.plateaus.min(initial=0.0) < -plateau.LEAST * unit
 
@@ -107,7 +107,7 @@ def _is_held_back(solution: CoulombSolution, unit: float) -> bool:
 def _is_locked_in(solution: CoulombSolution) -> bool:
     """Whether the value comes from stresses that the blocks locked in on their way: it is far from all known ends of its interval.
 
-    Without a known end nothing shows this, and the answer is no.
+    False without a known end, because nothing then shows such stresses.
     """
     ends = [end for end in solution.interval if math.isfinite(end)]
     return bool(ends) and min(abs(end - solution.value) for end in ends) > LOCKED_IN * abs(solution.value)
@@ -116,7 +116,7 @@ def _is_locked_in(solution: CoulombSolution) -> bool:
 def _followed_from_rest(
     assembly: Assembly, stiffness: JointStiffness, turning: float, wedging: float, settings: PredictionSettings, report: Reporter | None
 ) -> CoulombSolution:
-    """Return the state on the plateau of a structure that stands; turning: see `ElasticJoints`; others: see `predict`."""
+    """Return the prediction of a structure that can stand. turning: see `ElasticJoints`; other parameters: see `predict`."""
     start = time.perf_counter()
     joints = ElasticJoints(assembly, stiffness, turning)
     tangent = Tangent(joints)
@@ -159,9 +159,9 @@ def _with_release(
     settings: PredictionSettings,
     progress: SharedProgress,
 ) -> tuple[CoulombSolution, int]:
-    """Return the answer of the paths with its value after a release, and the Newton iterations of the way to it.
+    """Return the answer of the paths with its value after a release, and the Newton iterations that this took.
 
-    Where that value is doubtful although the paths end alike, the answer is that of a finer path, too.
+    Where that value is doubtful although the paths end on one plateau, a finer path is added to those of the answer.
     """
     after = released(joints, stiffness, followed, settings, progress)
     iterations = after.iterations
@@ -174,7 +174,7 @@ def _with_release(
 
 
 def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:
-    """Whether blocks fall on one path of a solution, or are held by a load that they do not carry from rest."""
+    """Whether blocks fall on one path of a solution, or are held up only by a negative live load."""
     size = max(abs(joints.value_in_units(1.0)), abs(solution.value))
     return solution.uncertainty > UNKNOWN * size or (joints.live and _is_held_back(solution, joints.value_in_units(1.0)))
 
@@ -201,7 +201,7 @@ def _value_at_rest(joints: ElasticJoints, rest: State) -> float:
 def _paths(
     joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, progress: SharedProgress
 ) -> list[FollowedPath]:
-    """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
+    """Follow paths with sharp joints, each at least as far as those before; return none where one of them cannot go on.
 
     After a path whose effort ends before its least travel no other path follows. See `joints_of_path`.
     """
@@ -235,9 +235,9 @@ def _finer_path(
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
-    """Follow paths with smooth joints side by side, because none needs the result of another; no path where one cannot go on.
+    """Follow paths with smooth joints side by side, because they are independent; return none where one of them cannot begin.
 
-    Where their smoothing leaves the value so uncertain that a judge would not decide by it, a finer path follows; it counts if it comes
+    Where the smoothing leaves the value too uncertain for the judge of the comparison, a finer path follows. It counts if it comes
     to its end.
     """
     number = len(settings.viscosities)

@@ -1,8 +1,8 @@
-"""What turning blocks release: the paths of a prediction go on with finite rotations, from the end of their first travel.
+"""Value after a release by turning blocks: the paths of a prediction go on with finite rotations from the end of their first travel.
 
-Until then the displacements of second order are too small to matter, so both predictions share the way. On 400 and on another 200 random
-scenes the paths that branch off end within 0.26 % of those whose blocks turn from rest on (`comparison/gallery/turning.md`). Under a live
-load the fastest block goes farther than the mean on this way. Where it goes TOO_FAR, no path branches off.
+Until then the displacements of second order are too small to matter, so both values share this part of the paths. On 400 and on another
+200 random scenes the paths that branch off end within 0.26 % of those whose blocks turn from rest on (`comparison/gallery/turning.md`).
+Under a live load the fastest block goes farther than the mean on this way. Where it goes TOO_FAR, no path branches off.
 """
 
 from dataclasses import dataclass
@@ -20,16 +20,16 @@ from la_core.coulomb.sharp_path import go_on_turning
 from la_core.coulomb.solution import CoulombSolution
 from la_core.model import JointStiffness
 
-CHANGED = 5e-3  # of the value: smaller changes are within the floor of a judge's tolerance
-# Of the least travel of turning blocks, for the fastest block by the end of the first travel. In pushed corners with a share of at most
-# 0.43 the paths that branch off end within 0.1 % of those whose blocks turn from rest on; in one with 1.1 they end 9 % beside.
+CHANGED = 5e-3  # of the value: smaller changes are within the least tolerance of the judge
+# Largest displacement of the fastest block at the end of the first travel, over the least travel of turning blocks. In pushed corners with
+# a share of at most 0.43 the paths that branch off end within 0.1 % of those whose blocks turn from rest on; with 1.1 they end 9 % off.
 TOO_FAR = 0.5
 NAN = float("nan")
 
 
 @dataclass(frozen=True)
 class Released:
-    """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it.
+    """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations that it took.
 
     state: its mechanism and contact forces, see `CoulombSolution.released_state`. is_doubtful: whether the value is unknown, or uncertain
     by more than 1 %, although the structure may release something.
@@ -45,7 +45,7 @@ class Released:
 def released(
     joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath], settings: PredictionSettings, progress: SharedProgress
 ) -> Released:
-    """Return the value after turning blocks have released what they can; unknown without a certified plateau, or with smooth joints.
+    """Return the value after turning blocks have released thrusts; unknown without a certified plateau, or with smooth joints.
 
     It is unknown, too, where the fastest block has already gone TOO_FAR under a live load.
 
@@ -60,7 +60,7 @@ def released(
     settings : PredictionSettings
         Limits of the paths.
     progress : SharedProgress
-        Receives how far the paths are.
+        Receives the progress of the paths.
     """
     starts = [path.first_travel for path in followed if path.first_travel is not None]
     if not starts or len(starts) < len(followed):
@@ -75,7 +75,7 @@ def released(
             return Released(iterations=iterations, is_doubtful=True)
         on.append(path)
         iterations += path.iterations - start.iterations
-        if path.is_short:  # its effort has ended, and that of a finer one would
+        if path.is_short:  # its effort has ended, and the effort of a finer path would end, too
             return Released(iterations=iterations, is_doubtful=True)
     chosen = on_one_plateau(on)[0]
     value, unit = chosen.plateau.value, joints.value_in_units(1.0)
@@ -87,12 +87,12 @@ def released(
 
 
 def change_by_release(coulomb: CoulombSolution, unit: float) -> tuple[float, float]:
-    """Change of a prediction by a release and the doubt about it, both over the value. unit: value of a scaled one."""
+    """Change of a prediction by a release and the doubt about it, both over the value. unit: value whose scaled value is 1."""
     size = reference_size(coulomb.value / unit) * unit
     return (coulomb.released - coulomb.value) / size, (coulomb.uncertainty + coulomb.released_uncertainty) / size
 
 
 def is_changed_by_release(coulomb: CoulombSolution, unit: float) -> bool:
-    """Return whether a release changes a prediction by more than CHANGED, beyond doubt; False where unknown. unit: of a scaled value."""
+    """Return whether a release changes a prediction by more than CHANGED and the doubt; False if unknown. unit: see `change_by_release`."""
     change, doubt = change_by_release(coulomb, unit)
     return abs(change) > max(CHANGED, doubt)

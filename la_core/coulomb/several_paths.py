@@ -1,4 +1,4 @@
-"""What several paths of one structure come to: those on the plateau that counts, and what all of them leave uncertain."""
+"""Result of several paths of one structure: the paths on the plateau of the answer, and the uncertainty from all paths."""
 
 import numpy as np
 
@@ -9,16 +9,16 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 
 # Times the move from the end of a path with smooth joints to the limit state near it.
 MOVED = 5.0
-# Of the value: what settings that should not matter change. On `wall_third` two ways of the viscosity gave 0.070328 and 0.070310.
+# Of the value: effect of settings that should not matter. On `wall_third` two courses of the viscosity gave 0.070328 and 0.070310.
 STEPS_SHARE = 3e-4
 BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
 SAFETY = 2.0  # times the difference between the two finest paths
 
 
 def joints_of_path(joints: ElasticJoints, number: int, settings: PredictionSettings) -> ElasticJoints:
-    """Joints of a path, counted from 1: where blocks turn, the axes of a coarse one turn with the other block.
+    """Joints of a path, counted from 1. Where blocks turn, the axes of a coarse path turn with block a of each joint, not with b.
 
-    The paths then show what this choice changes.
+    The paths then show the effect of this choice.
     """
     return joints if number >= len(settings.viscosities) else joints.with_axes_of_first()
 
@@ -29,10 +29,10 @@ def disagree(followed: list[FollowedPath]) -> bool:
 
 
 def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
-    """Return the paths of the plateau that most paths end on; first the answer, the finest one that ends in a limit state, if one does.
+    """Return the paths of the plateau that most paths end on. The first is the answer: the finest that ends in a limit state, if any.
 
-    Of plateaus with as many paths one with a limit state counts, and of these the one with the finest path. Paths with smooth joints count
-    as one plateau: their smoothing, not the structure, keeps them apart.
+    Among plateaus with equally many paths, those with a limit state come first, then the one with the finest path. Paths with smooth joints
+    count as one plateau, because their ends differ by the smoothing and not by the structure.
     """
     is_smooth = followed[-1].smooth_error > 0.0
     certified = [path.end.certificate.worst <= ACCEPTED_RESIDUAL for path in followed]  # NaN is no limit state
@@ -42,7 +42,7 @@ def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
-    """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
+    """Largest of: difference between the paths, remaining change of the curve, its scatter, and effect of the steps; scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
     if chosen.smooth_error > 0.0:
         left = left_by_smoothing(chosen, followed)
@@ -55,9 +55,9 @@ def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> fl
 
 
 def left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> float:
-    """Uncertainty that a sharper path would lessen: the paths' difference, the move to the limit state and the law's error, scaled.
+    """Uncertainty that a sharper path would lessen: by the paths' difference, the move to the limit state or the law's error, scaled.
 
-    The means of these paths on the way differ, because their smoothing does.
+    The means of these paths are not compared, because they depend on the smoothing on the way.
     """
     end = finest.plateau.value
     differ = SAFETY * max(abs(end - path.plateau.value) for path in followed[-2:])

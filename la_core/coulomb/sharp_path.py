@@ -34,15 +34,15 @@ from la_core.coulomb.plateau import Plateau
 from la_core.coulomb.solution import CoulombSolution
 
 # First viscosity of a path to a peak, and the factor by which the limits of its steps are divided. The usual viscosities lifted
-# the peaks of 36 small walls by up to 5 % and that of one of 270 blocks by 29 %, and these by nothing that the two paths do not show.
+# the peaks of 36 small walls by up to 5 % and that of one of 270 blocks by 29 %. Any lift by these two shows in their difference.
 PEAK_PATHS = ((1e-5, 1.0), (1e-6, 3.0))
 PEAK_SAFETY = 2.0  # times the difference between the peaks of these paths
-# Of a peak, between the ends of two steps. Of 29 peaks of random walls the finer of the two paths missed 0.15 % at most.
+# Of a peak: possible rise between the ends of two steps. Of 29 peaks of random walls the finer of the two paths missed 0.15 % at most.
 BETWEEN_STEPS = 2e-3
 SOUGHT = 5e-3  # of the value: a curve that rises less above it, beyond its uncertainty, has no peak
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
-# A path that goes on with turning blocks ends early where its latest pace would take HOPELESS times the effort that is left. This pace is
-# that of its last Newton iterations: PACED, and TIMES_PACED times those before it went on. Two points of `crosscheck new zones` stick and
+# A path that goes on with turning blocks ends early where its latest pace would take HOPELESS times the effort that is left. The pace is
+# that of its last Newton iterations: PACED plus TIMES_PACED times those before it went on. Two points of `crosscheck new zones` stick and
 # slip in turn, in steps of a millionth of the way: 51,500 iterations led nowhere.
 PACED, TIMES_PACED, HOPELESS = 1000.0, 10.0, 3.0
 
@@ -119,7 +119,7 @@ def go_on_turning(
 def _is_hopeless(path: QuasiStaticPath, paced: float, goal: float, most: float) -> bool:
     """Whether a path would need more than HOPELESS times the effort that is left to come to its goal, at its latest pace.
 
-    paced: Newton iterations whose pace counts. goal: progress. most: Newton iterations of the whole path.
+    paced: number of last Newton iterations that give the pace. goal: progress. most: Newton iterations of the whole path.
     """
     if path.iterations < paced:
         return False
@@ -133,8 +133,8 @@ def _to_its_end(
 ) -> FollowedPath | None:
     """Follow a path until its curve is flat, and to a certified end; None where it cannot go on.
 
-    paced: Newton iterations whose pace shows whether there is hope. Where blocks turn, they do so until the path has gone as far as the
-    joints that it stands for and nothing is released any more. Under a live load their pace on the way shows how far that is.
+    paced: see `_is_hopeless`. Blocks with finite rotations turn until the path has covered the travel of the joints that it represents and
+    its curve is flat. Under a live load this travel follows from their pace on the way.
     """
     joints, first, most = path.joints, None, most_iterations(path.joints, settings)
     end = first_end(path, first_travel(joints))

@@ -28,8 +28,8 @@ from la_core.model import Assembly, JointStiffness
 
 LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts as sliding
 SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in the mechanism of a prediction
-# The same in an associated mechanism: the bound is off by about this share. Shipped scenes without sliding have 5e-8 at most, by
-# rounding errors.
+# The same share in an associated mechanism; the error of the bound is about this share. Shipped scenes without sliding have 5e-8 at most,
+# by rounding errors.
 ASSOCIATED_SHARE = 1e-5
 SLIGHT_WORK = 1e-3  # of the elastic energy at rest or now, whichever is larger: less work of friction on the way changes no force
 SAME_VALUE = 1e-3  # of the value: for elastic joints this close to the bound their strain does not matter
@@ -64,7 +64,7 @@ class Sliding:
     solves: int = 0
 
     def unless_sliding(self, assembly: Assembly, solution: Solution) -> "Sliding":
-        """The same result, or `found` where loaded joints slide in the mechanism at another inset."""
+        """This result, or one with `found` where loaded joints slide in the mechanism at another inset."""
         if self.found or not slides_in_mechanism(assembly, solution):
             return self
         reason = f"at an inset of {assembly.inset:g} m {_sliding_joint(assembly, solution)} slides in the mechanism"
@@ -105,7 +105,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
-    """Whether loaded joints slide in an associated mechanism; none does where the support leaves alone and no block moves."""
+    """Whether loaded joints slide in an associated mechanism; False where the support moves alone."""
     if solution.status is not Status.SOLVED or not mechanism.moving(assembly, solution.twists).any():
         return False
     return mechanism.sliding_share(assembly, solution.twists, solution.forces) > ASSOCIATED_SHARE
@@ -119,7 +119,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
         return True, "the blocks do not come to rest on elastic joints", iterations
     end = first_travel(joints)
     path = QuasiStaticPath(joints, tangent, rest, annealed(joints, VISCOSITY))
-    work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # a block that is lifted off leaves no energy behind
+    work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # kept: joints that open lose their energy
     for _ in path.advance_to(end / 2.0):
         pass
     for _ in path.advance_to(end):

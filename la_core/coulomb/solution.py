@@ -10,7 +10,7 @@ from la_core.measures import mechanism
 from la_core.model import Assembly
 
 NAN = float("nan")
-ONE_POINT = 1e-6  # of the value: an interval that is no wider to either side is one point but for round-off
+ONE_POINT = 1e-6  # of the value: an interval of at most this half-width is one point but for round-off
 
 
 def _empty() -> np.ndarray:
@@ -28,10 +28,10 @@ class CoulombSolution(Held):
     value : float
         Reaction (N; N m for a rotation) or multiplier on the plateau.
     uncertainty : float
-        Uncertainty of the value, in its unit, from paths of different viscosity, from what the curve still changes and from the forces out
-        of balance. It reaches to the bound where the value is beyond; infinite where the blocks fell on the way.
+        Uncertainty of the value, in its unit, from paths of different viscosity, from the remaining change of the curve and from unbalanced
+        forces. It reaches to the bound where the value lies beyond the bound. Infinite where the blocks fell on the way.
     plateaus : (K,) array
-        Values of all plateaus where paths end on several or a curve leaves one, that of the answer first; empty where there is one.
+        Values of all plateaus, that of the answer first, where paths end on several or a curve leaves one; empty if there is only one.
     interval : tuple of float
         Least and greatest value that the mechanism allows over all histories of friction.
     twists : (B, 6) array
@@ -66,10 +66,10 @@ class CoulombSolution(Held):
         First viscosity of each path, in multiples of the weight at unit rate.
     path_settlement, path_value : (P,) array
         Curve of the finest path: motion of the support (m or rad), or displacement along the live load (m), and value. Where rotations
-        are finite and the stiffness of the joints is not given, joints as they are release as much at a quarter of this motion.
+        are finite and the stiffness of the joints is not given, the actual joints release as much at a quarter of this motion.
     released, released_uncertainty : float
         Value of a prediction with small rotations after turning blocks have released a thrust, and its uncertainty, in the unit of the
-        value. NaN where it is unknown, or where nothing called for it.
+        value. NaN where it is unknown or was not computed.
     peak : (2,) array
         Greatest multiplier on the way to the plateau of a live load, without drag, and its uncertainty; empty where the curve does not rise
         above the plateau, or where the peak is unknown.
@@ -105,7 +105,7 @@ class CoulombSolution(Held):
 
     @property
     def certificate(self) -> float:
-        """Largest residual of the limit state on the plateau, NaN where one is; of those that are defined, where no path was followed."""
+        """Largest residual of the limit state on the plateau, NaN where one is undefined; without a path, the largest defined one."""
         of_state, of_mechanism = (self.equilibrium_residual, self.cone_violation), (self.dilatancy_residual, self.sliding_residual)
         largest = np.max if self.steps else np.fmax.reduce
         return float(largest([*of_state, *of_mechanism, self.strain_residual]))
@@ -128,9 +128,9 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     Returns
     -------
     CoulombSolution
-        The value at rest, the drift and the strain residual are NaN, because no path was followed. The interval contains what
-        the little friction that still slides in the associated mechanism could change, and so does the uncertainty, beside the
-        error of the associated value.
+        The value at rest, the drift and the strain residual are NaN, because no path was followed. Interval and uncertainty contain
+        the effect of the little sliding that the associated mechanism may still have. The uncertainty also contains the error of the
+        associated value.
     """
     if associated.status is not Status.SOLVED:
         return without_answer(assembly, associated.status)

@@ -2,9 +2,9 @@
 
 At every contact point u is the relative displacement since the blocks were laid. The normal force follows it,
 n = max(0, -kn u_n). The friction force follows its change in a step, t = t_before - ks (change of u_t), and is cut back to
-mu n where it exceeds that limit. The limit is less by the friction of a normal force that is round-off: a very rough
-joint would make it grow until the blocks jam. Only the friction force has a history, and a point that parts forgets it. YADE's
-contacts obey the same law with the same stiffness.
+mu n where it exceeds that limit. The limit is reduced by the friction of a normal force of the size of round-off: in a
+very rough joint this friction would grow until the blocks jam. Only the friction force has a history, and a point that parts loses
+it. YADE's contacts obey the same law with the same stiffness.
 
 The law can be smoothed. A contact point then parts and slips gradually, over forces of the size `smoothing`: n is the
 larger root of n (n + kn u_n) = smoothing^2, and |t| is the smaller root of (|t| - |t*|) (|t| - mu n) = smoothing |t|.
@@ -64,8 +64,8 @@ class ElasticJoints:
     weights, live_load : (n,) array
         Dead load, and the live load over `live_size`.
     live_size : float
-        Sum over the blocks of the live load's force per unit multiplier, so that its power over this is the mean speed of what it
-        pushes; of a load of pure moments their sum, over the mean block size. 1 for a settlement.
+        Sum over the blocks of the size of the live load's force per unit multiplier. The power of the load over this sum is the mean
+        speed of the pushed blocks. For a load of pure moments, their sum over the mean block size. 1 for a settlement.
     mass : (n,) array
         Share of the mass that moves with each freedom; it weights the drag.
     normal, shear : float
@@ -130,9 +130,9 @@ class ElasticJoints:
         return first if self._turned is None else first + self._turned
 
     def as_turned(self, blocks: np.ndarray, progress: float, for_good: bool = False) -> "ElasticJoints":
-        """Return the joints with the second order of these displacements; the same joints where rotations are small.
+        """Return the joints with the second order of the displacements `blocks`; the same joints where rotations are small.
 
-        for_good: whether rotations are small from here on.
+        for_good: whether the second order stays as it is, because rotations are small from here on.
         """
         if self.turning is None:
             return self
@@ -147,7 +147,7 @@ class ElasticJoints:
         return self._turned is not None
 
     def with_axes_of_first(self) -> "ElasticJoints":
-        """Return the same joints with axes that turn with block a of each, not with b; the same joints where rotations are small."""
+        """Return joints whose axes turn with block a instead of block b; the same joints where rotations are small."""
         if self.turning is None:
             return self
         other = copy.copy(self)

@@ -14,15 +14,15 @@ import numpy as np
 from la_core.coulomb.path.elastic_joints import ElasticJoints, JointState
 from la_core.coulomb.path.tangent import LearningTangent, Solve, Tangent
 
-# Of the mean block weight: norm of the unbalanced forces of a converged step. A last iteration mostly leaves round-off; looser
-# steps would press unloaded joints enough for a large friction coefficient to make them jam.
+# Of the mean block weight: norm of the unbalanced forces of a converged step. A last iteration mostly leaves round-off. A looser
+# tolerance would press unloaded joints so much that they jam under a large friction coefficient.
 TOLERANCE = 1e-9
 LEAST_TOLERANCE = 1e-12  # of the weight: round-off of large structures
-# Times the tolerance: up to here the best iterate is accepted where the next STALLED ones are no better, for points then chatter.
-# Where the best residual is larger, the iteration mostly runs in a circle, and ends after LOST worse ones.
+# Times the tolerance: the best iterate up to LOOSE is accepted after STALLED iterates that are no better, because contact points then
+# chatter. Where the best residual is larger, the iteration mostly runs in a circle, and ends after LOST worse iterates.
 LOOSE, STALLED, LOST = 1e3, 2, 4
 MOST_ITERATIONS = 20  # new tangents of a step
-# Moves with an old tangent that take the time of a new one: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
+# Moves with an old tangent in the time of a new tangent: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
 # its moves lower the logarithm of the residual faster, by time, than the first move did, and at least by LEAST_GAIN.
 MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
@@ -153,7 +153,7 @@ def advance(
 
 @dataclass(frozen=True)
 class _Iterate:
-    """Unknowns (displacements of the free blocks; then the multiplier of a live load), what they leave unbalanced, and its size."""
+    """Unknowns (displacements of the free blocks; then the multiplier of a live load), the forces left unbalanced, and their size."""
 
     unknowns: np.ndarray
     unbalanced: np.ndarray
@@ -164,7 +164,7 @@ class _Iterate:
 
 @dataclass(frozen=True)
 class _Balance:
-    """The equations of one step: balance of the free blocks at its end; then, of a live load, the displacement along it."""
+    """The equations of one step: balance of the free blocks at its end; then, under a live load, the displacement along the load."""
 
     joints: ElasticJoints
     before: State
@@ -183,7 +183,7 @@ class _Balance:
         return _Iterate(unknowns, rest, size, state, stiffness)
 
     def in_same_state(self, tangent: Tangent, unknowns: np.ndarray) -> np.ndarray:
-        """Unknowns in balance if all points close, stick and slide as before the step; raises RuntimeError where none are."""
+        """Unknowns in balance if all points close, stick and slide as before the step; raises RuntimeError if the tangent is singular."""
         before, stiffness = self.before.joints, self.before.stiffness
         assert stiffness is not None
         moved = self._displacement(unknowns) - before.displacement
@@ -194,7 +194,7 @@ class _Balance:
         return self.joints.displacement(unknowns[: len(self.joints.weights)], self.target.support)
 
     def _unbalanced(self, unknowns: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """What contact forces (C, k) leave unbalanced at some unknowns."""
+        """Forces that contact forces (C, k) leave unbalanced; then, under a live load, the displacement that is missing along it."""
         joints, live_at = self.joints, self.target.live_at
         blocks = unknowns[: len(joints.weights)]
         rest = joints.unbalanced(force) - self.drag * joints.mass * (blocks - self.before.blocks)
@@ -226,7 +226,7 @@ def _begun(balance: _Balance, tangent: Tangent, guess: np.ndarray) -> tuple[_Ite
     """Return the first iterate, and the iterations that it took.
 
     Where blocks turn, the second order of a guess opens points that hardly press. A block on such a point would then move far. So the step
-    begins where all points keep their state, if this leaves less unbalanced: `facade` took 18,000 iterations without it, and takes 2,500.
+    begins where all points keep their state, if this leaves less unbalanced: `facade` took 18,000 iterations without this, and takes 2,500.
     """
     now = balance.at(balance.unknowns(guess, balance.before.multiplier))
     if not balance.joints.has_turned or balance.smoothing > 0.0 or balance.before.stiffness is None:
@@ -239,7 +239,7 @@ def _begun(balance: _Balance, tangent: Tangent, guess: np.ndarray) -> tuple[_Ite
 
 
 def _searched(balance: _Balance, now: _Iterate, move: np.ndarray) -> tuple[float, _Iterate]:
-    """Return the largest share 1, 1/2, ... of a move that leaves less unbalanced, else the shortest, and where it leads."""
+    """Return the largest share 1, 1/2, ... of a move that leaves less unbalanced, or else the shortest, and the iterate after it."""
     share = 1.0
     while True:
         trial = balance.at(now.unknowns + share * move)

@@ -37,8 +37,8 @@ def joint_rates(joints: ElasticJoints, before: State, last: State) -> JointRates
 def joint_powers(joints: ElasticJoints, before: State, last: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Powers (C,) at the contact points between two states, scaled.
 
-    They are the power of the normal force where a point parts, what the friction force lacks to mu n against the slip, and mu n |slip|.
-    The first two vanish in a limit state.
+    They are the power of the normal force where a point parts, the dissipation mu n |slip| less the power of the friction force against
+    the slip, and this dissipation. The first two vanish in a limit state.
     """
     rates = joint_rates(joints, before, last)
     normal, friction = last.joints.force[:, 0], last.joints.force[:, 1:]

@@ -5,11 +5,11 @@ blocks move on at once. Without a drag such a move has no duration. With a drag 
 
     J' f(q) + w = eta M dq/dp,
 
-it takes a short stretch of the progress p, and steps that are short enough always converge. M holds every block's share of
-the mass, so that all blocks moving at unit rate feel eta times the weight. The viscosity falls from its first value to almost nothing over
-the first part of the way: large at first, it carries the structure past its first instabilities in few steps, and the
-structure forgets it, as it forgets most of its early history. The power of the remaining drag is known, and so is the
-reaction without it, by the balance of power: R = R_with_drag + eta sum(M v^2), v = dq/dp.
+it takes a short stretch of the progress p, and steps that are short enough always converge. M contains every block's share of
+the mass, so that the drag on all blocks at unit rate is eta times the weight. The viscosity falls from its first value to almost
+nothing over the first part of the way. While it is large, the structure passes its first instabilities in few steps. The effect of
+this drag fades, as most of the early history does. The power of the remaining drag is known, and so is the reaction without it, by
+the balance of power: R = R_with_drag + eta sum(M v^2), v = dq/dp.
 """
 
 import copy
@@ -28,11 +28,11 @@ LONGEST_STEP, LONGEST_SHARE = 0.05, 0.25  # of the travel, or of the progress wh
 SLIVER = 0.01  # of a step: where less is left to the end, the step goes on to the end
 LARGEST_CHANGE, SMOOTH_CHANGE = 0.06, 0.2  # of the contact forces, in one step of sharp and of smooth joints
 GROWTH, CUT = 1.6, 4.0  # of the length of the step: after an easy step, and after one that did not converge
-CAUTION, REGAINED = 0.7, 1.3  # limit over a length that failed, and its growth with every step
+CAUTION, REGAINED = 0.7, 1.3  # limit of the length over one that failed, and growth of this limit with every step
 EASY, SLIGHT_CHANGE = 8, 0.6  # iterations of a step, and share of its largest change, after which the next one may be longer
-AIMED_CHANGE = 0.8  # of its largest change: a step that changed more is shortened in proportion, to this
+AIMED_CHANGE = 0.8  # of its largest change: a step that changed too much is shortened in proportion to reach this
 SHORTEST_STEP = 1e-13  # of the travel
-AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
+AVERAGED = 0.02  # of the progress: the drag's power uses the mean rate over this stretch, because the rate in a jump is untypical
 SAGS = 1.0 / ELASTIC_SHARE  # least travel over the elastic sag; more than one travel where the scene's own joints are softer
 
 
@@ -139,7 +139,7 @@ class QuasiStaticPath:
         self._length, self._limit = FIRST_STEP * joints.sag / finer, np.inf
 
     def copy(self) -> "QuasiStaticPath":
-        """Return a path that goes on from here by itself."""
+        """Return a copy of the path that goes on from here on its own."""
         other = copy.copy(self)
         other.points = list(self.points)
         return other
@@ -161,7 +161,7 @@ class QuasiStaticPath:
 
     @property
     def pace(self) -> float:
-        """Motion that the travel limits in YADE over the progress: under a live load that of the fastest block; 1 for a settlement."""
+        """Displacement of the fastest block over the progress, at least 1: under a live load YADE's travel limits it. 1 otherwise."""
         if not self.joints.live or self.last.progress == 0.0:
             return 1.0
         moved = twists_of(self.joints.assembly, self.last.blocks - self._rest_blocks)[:, :3]
@@ -235,7 +235,7 @@ class QuasiStaticPath:
         return 0.0 if self.joints.live else self._offset + progress
 
     def _trial(self, progress: float, drag: float, length: float, smoothing: float) -> Trial:
-        """Try a step. Turning blocks have the second order of the first guess, for a tangent of first order would lead astray."""
+        """Try a step. Turning blocks keep the second order of the first guess, because the tangent is of first order."""
         live_at = self._live_at + progress if self.joints.live else None
         guess = self.last.blocks + length * self._rate
         target = Target(progress, self._support_at(progress), live_at)
@@ -254,12 +254,12 @@ class QuasiStaticPath:
 
 
 def first_travel(joints: ElasticJoints) -> float:
-    """Travel over which the strain of the joints fades: the whole travel, and SAGS elastic sags."""
+    """Travel over which the strain of the joints fades: the whole travel, but at least SAGS elastic sags."""
     return max(1.0, SAGS * joints.sag)
 
 
 def least_travel(joints: ElasticJoints) -> float:
-    """Travel that a path is followed for before its curve is judged: the first travel, or that of the joints that it stands for."""
+    """Travel of a path before its curve is judged: the first travel; where blocks turn, that of the joints that the path represents."""
     return first_travel(joints) / (1.0 if joints.turning is None else joints.turning.share)
 
 

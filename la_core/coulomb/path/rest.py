@@ -1,8 +1,8 @@
 """Rest under gravity: the blocks are laid without force, their weights grow, and they sag on elastic joints until nothing moves.
 
 The weights grow as in YADE, because joints that slide on the way to rest keep a trace of this way. If all the weight acted at once, a light
-block might slip away before the block on it presses it, and in parts of domes joints would keep other thrusts: one came to a plateau 0.8 %
-higher than YADE's.
+block might slip away before the block on it presses it, and in parts of domes joints would keep other thrusts: one part came to a
+plateau 0.8 % higher than YADE's.
 """
 
 from dataclasses import replace
@@ -16,8 +16,8 @@ from la_core.coulomb.path.tangent import Tangent
 REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
 AT_REST = 1e-6  # of the travel: displacement in the last step to rest
 MOST_REST_STEPS = 300
-# Of growing weights. Of 16 structures the same 13 came to rest with drags from 0.1 to 0.0001, and with ten times the first share.
-GROWING_DRAG = 3e-3  # of the weight, while all blocks move by the sag
+# For growing weights. Of 16 structures the same 13 came to rest with drags from 0.1 to 0.0001, and with ten times the first share.
+GROWING_DRAG = 3e-3  # of the weight: drag on all blocks if they move by the sag while the weights grow
 FIRST_SHARE = 1e-2  # of the share at which contact points press the lightest block harder than the drag
 GROWING = 1.6  # length of a step over that of the step before
 LONGEST_SHARE, SHORTEST_SHARE = 0.05, 1e-14  # of the weights, in one step
@@ -58,7 +58,7 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
 
 
 def rest_from(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
-    """State at rest under the whole weight, from one before, and Newton iterations.
+    """State at rest under the whole weight, reached from an earlier state, and the Newton iterations.
 
     None where a block moves by more than FALLEN, or where the blocks never come to rest.
     """
@@ -83,7 +83,7 @@ def rest_from(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: 
 def _under_growing_weights(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
     """State after the weights have grown from nothing, and Newton iterations; None where no step is short enough, or too many are needed.
 
-    At first the drag bears the weights, and all blocks sink alike. So no block slips away before its neighbours have closed on it.
+    At first the drag bears the weights, and all blocks sink alike. So no block slips away before its neighbours press it.
     """
     viscosity = GROWING_DRAG / joints.sag
     length = FIRST_SHARE * min(viscosity * float(joints.mass.min()) / joints.normal, 1.0)

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 
-PIVOT = 0.01  # a diagonal entry this large beside its column's largest is a pivot: it keeps the order, and so the sparsity
+PIVOT = 0.01  # a diagonal entry of at least this share of its column's largest is the pivot, which keeps the order and so the sparsity
 # Most moves that a tangent learns from; and the least s'H y over s's of a move that it learns from: below that, corrections would be large.
 MOST_LEARNT, LEAST_ALONG = 30, 0.1
 Solve = Callable[[np.ndarray], np.ndarray]
@@ -100,11 +100,11 @@ class LearningTangent:
         self._learnt: list[tuple[np.ndarray, np.ndarray]] = []
 
     def learn(self, share: float, unbalanced: np.ndarray) -> bool:
-        """Learn from what a share of the move left unbalanced, and set the next move; False where it has learnt all that it may."""
+        """Learn from the forces unbalanced after a share of the move, and set the next move; False after more than MOST_LEARNT moves."""
         made, following = share * self.move, self._solve(unbalanced)
         for moved, more in self._learnt:
             following += more * (moved @ following)
-        mapped = self.move - following  # H y: H maps the unbalanced forces before to the move, those after to the following one
+        mapped = self.move - following  # H y: H maps the unbalanced forces before the move to it, those after it to the following move
         along = float(made @ mapped)
         if along > LEAST_ALONG * float(made @ made):
             more = (made - mapped) / along
@@ -115,7 +115,7 @@ class LearningTangent:
 
 
 def _products(joints: ElasticJoints) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Row and column in the matrix, entry of the stiffness and factor: every product that adds to an entry of the matrix."""
+    """All products that add up to the matrix: their rows and columns in it, entries of the stiffness, and factors."""
     assembly, width, freedoms = joints.assembly, joints.width, joints.freedoms
     count = len(joints.friction)
     number = np.where(assembly.blocks.free, np.cumsum(assembly.blocks.free) - 1, -1)

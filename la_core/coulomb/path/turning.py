@@ -2,7 +2,7 @@
 
 A point at r on a block that turns by w moves by w x r + w x (w x r) / 2, and the axes of a joint turn with one of its blocks. The centroid
 of a support that turns about an axis moves on a circle, too, by v + w x v / 2. The second order is tiny beside a block, but not beside the
-strain of stiff joints: friction may lock a thrust in, which holds by this strain alone, and turning blocks release it. Forces balance on
+strain of stiff joints: friction may lock in a thrust that rests on this strain alone, and turning blocks release it. Forces balance on
 the geometry as laid, so that every plateau is one of limit analysis.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from la_core.model import Assembly, twists_of
 
-# Stiffness of the joints that a path stands for, over its own. Only displacement over strain counts, so its displacements are as many times
-# as large as theirs, and the second order, which grows as their square, counts so many times less.
+# Stiffness of the joints that a path represents, over that of its own joints. Only displacement over strain counts, so displacements on the
+# path are STIFFER times those of the stiffer joints. The second order grows as their square, so a share of 1 / STIFFER of it counts.
 STIFFER = 16.0
 
 
@@ -47,7 +47,7 @@ class Turning:
         self._circled = np.einsum("cj,ckj->ck", circled[b] - circled[a], shown)
 
     def with_axes_of_first(self) -> "Turning":
-        """Return the same where the axes turn with block a: where corners meet, nothing but the order of the blocks tells a from b."""
+        """Return a copy whose axes turn with block a. Where corners meet, only the order of the blocks in the scene tells a from b."""
         other = copy.copy(self)
         other._axes_of = self._assembly.contact_blocks[0]
         return other
