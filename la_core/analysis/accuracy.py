@@ -27,9 +27,9 @@ INSET_SHARE = 0.25  # of the accuracy, for rounded edges: a smaller inset costs 
 TIED_TO_INSET = frozenset({"sphere_radius", "max_travel"})  # settings of YADE that a scene chooses for its inset
 LEAST_INSET = 0.02  # of the scene's
 # Paths of the attempts: viscosities and effort relative to the default, division of the steps. Coarser paths than the default take as
-# long, and may both pass a plateau that the default ones show.
+# long, and may both miss a plateau that the default paths show.
 ATTEMPTS = ((1.0, 1.0, 1.0), (0.1, 4.0, 3.0), (0.01, 16.0, 10.0))
-# Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
+# Of the sag over the travel: largest change of an answer without history by joints four times softer or stiffer.
 ELASTIC_SHARE = 0.03
 HIGH = 1  # attempt of a scene that asks for a high effort
 LEAST_SCALE = 0.01  # of the weight, or a multiplier: errors of smaller answers are relative to this
@@ -107,9 +107,9 @@ def has_history(analysis: LimitAnalysis) -> bool:
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the relative errors that both methods share, by source: rounded edges and elastic joints.
 
-    Where joints slide, the bounds show what rounded edges change, because their values have no history; an attempt also knows what
-    half the inset changes of the prediction, and the larger one counts. Where blocks lock as they dilate, no bound exists. The predictions
-    at both insets show it then, each to within its uncertainty.
+    Where joints slide, the effect of rounded edges is measured on the bounds, because bounds have no history. An attempt also knows the
+    effect of half the inset on the prediction, and the larger effect counts. Where blocks lock as they dilate, no bound exists. The effect
+    is then measured on the predictions at both insets, each to within its uncertainty.
     """
     rounded, sharp, stiffness = analysis.at_inset, analysis.sharp, analysis.stiffness
     by_bounds = has_history(analysis) and not _has_two_predictions(analysis)
@@ -140,10 +140,10 @@ def lacks_sharp_prediction(analysis: LimitAnalysis) -> bool:
 
 
 def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: AnalysisSettings) -> float:
-    """Return what rounded edges change of a prediction, relative, by a second one at half the inset.
+    """Return the relative change of a prediction by rounded edges, estimated from a second prediction at half the inset.
 
-    The lever arms of joints that slide may change it by several times as much as the bound. The second half of the inset is
-    taken to change it as the first half does. 0 where there is no such prediction; NaN where the second one is not solved.
+    The lever arms of sliding joints may change the prediction by several times as much as the bound. The second half of the inset is
+    assumed to change it as much as the first half. 0 where no such prediction is needed; NaN where the second one is not solved.
     """
     answer = analysis.coulomb
     if not has_history(analysis) or _has_two_predictions(analysis) or answer is None:
@@ -155,15 +155,15 @@ def _change_by_inset(model: StructuralModel, analysis: LimitAnalysis, settings: 
 
 
 def _is_tied_to_inset(scene: Scene) -> bool:
-    """Whether the scene sets what YADE may have for its inset alone."""
+    """Whether the scene gives a setting of YADE that is valid for its own inset alone."""
     return bool(TIED_TO_INSET & set(scene.yade))
 
 
 def _attempt(analysis: LimitAnalysis, level: int, start: float, change_by_inset: float) -> Attempt:
     """Estimate the relative error of an analysis; NaN without a solution.
 
-    level: index into ATTEMPTS. start: time at which the attempt began, s, by `time.perf_counter`. change_by_inset: what
-    `_change_by_inset` returns.
+    level: index into ATTEMPTS. start: time at which the attempt began, s, by `time.perf_counter`. change_by_inset: result
+    of `_change_by_inset`.
     """
     settings: dict[str, float] = {"inset": analysis.assembly.inset}
     answer, parts = stated(analysis), shared_parts(analysis)
@@ -173,7 +173,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float, change_by_inset:
         settings |= {"viscosity": paths.viscosities[-1], "finer": paths.finer}
         parts[HISTORY] = answer.uncertainty / scale(analysis)
     else:
-        del parts[ELASTIC]  # the answer knows no stiffness
+        del parts[ELASTIC]  # the answer does not depend on the stiffness
         parts[BOUND] = analysis.sharp.bounds[analysis.main].error / scale(analysis)
         if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
@@ -183,7 +183,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float, change_by_inset:
 
 
 def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float, level: int) -> tuple[float, int] | None:
-    """Return inset (m) and level of the next attempt; None where finer ones do not help or there is no answer."""
+    """Return inset (m) and level of the next attempt; None where finer settings do not help or there is no answer."""
     if analysis.bounds[analysis.main].status is not Status.SOLVED and not _has_two_predictions(analysis):
         return None
     inset = attempt.settings["inset"]

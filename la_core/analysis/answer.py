@@ -84,7 +84,7 @@ class Answer(Tabled):
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, whatever friction's history; infinite: no limit."""
+        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism for any history of friction; infinite: no limit."""
         coulomb = self.analysis.printed.coulomb
         return (nan, nan) if coulomb is None else coulomb.interval
 
@@ -268,7 +268,7 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield _row(scene, "Coulomb: uncertainty", answer["uncertainty"], 2)
     yield from _angle_rows("Coulomb: ", answer)
     yield from (_quantity(scene, "Coulomb: one of several plateaus", plateau) for plateau in answer["plateaus"])
-    is_predicted = exists(answer[scene.quantity])  # else no interval is withheld
+    is_predicted = exists(answer[scene.quantity])  # without a prediction there is no interval to explain
     for which, end in zip(("least", "greatest"), answer[f"{scene.quantity}_interval"], strict=True):
         name = f"Coulomb: {which} by its mechanism"
         yield (name, answer["interval_status"], "") if is_predicted and not exists(end) else _quantity(scene, name, end)
@@ -283,7 +283,7 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
 
 
 def _angle_rows(before: str, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Yield the angle at which the ground of a [tilt] fails its structure, and its uncertainty. before: first words of the rows."""
+    """Yield the angle of a [tilt] at which the structure fails, and its uncertainty. before: first words of the rows."""
     for name, digits in (("angle", 5), ("angle_uncertainty", 2)):
         if name in answer:
             angle = without_round_off(answer[name], degrees(1.0)) if name == "angle" and exists(answer[name]) else answer[name]

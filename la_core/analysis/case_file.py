@@ -54,7 +54,7 @@ def write_case(
     inputs : str
         Digest of everything that the results depend on, see `scene_digest`; a cached stage compares it.
     first_prediction : str
-        Text to be kept beside the results: what limit analysis said before an effect was restored. "" for none.
+        Prediction before an effect was restored, as a text that is kept beside the results; "" for none.
     made_by : mapping of str to str, optional
         Versions of the programs that made the results, and their machine.
     """
@@ -108,7 +108,7 @@ def write_case(
 
 
 def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
-    """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, loads."""
+    """Return the values that only some structures have, by field: parts of compound blocks, insets of short joints, loads."""
     blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
     if blocks.is_compound.any():
         values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))

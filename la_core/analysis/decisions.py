@@ -26,7 +26,7 @@ from la_core.model import Assembly, Effects, distance_to_meet
 from la_core.scene import Scene
 from la_core.text_table import number_text
 
-# Of the value: round-off, and less than any prediction is certain to, counts as this much. A narrower interval is a point.
+# Of the value: a smaller change is stated as this much, because no prediction is certain to less. A narrower interval is a point.
 LEAST_CHANGE = 1e-4
 
 
@@ -141,9 +141,9 @@ def _search_sliding(model: StructuralModel, settings: AnalysisSettings, bound: C
 
 
 def with_rotation_explained(scene: Scene, assembly: Assembly, coulomb: CoulombSolution) -> Effects:
-    """Return the effects of an assembly with what its prediction says about small rotations, where the scene leaves them to the program.
+    """Return the effects of an assembly; its prediction adds to the reason for small rotations if the scene leaves these to the program.
 
-    Turning blocks release a thrust that friction locked in. The mechanism then allows several values.
+    Turning blocks may release a thrust that friction locked in. A mechanism with such a thrust allows several values.
     """
     effects = assembly.effects
     if scene.effects.rotation != "auto" or effects.friction != "coulomb" or math.isnan(coulomb.value):
@@ -152,9 +152,9 @@ def with_rotation_explained(scene: Scene, assembly: Assembly, coulomb: CoulombSo
 
 
 def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolution) -> str:
-    """What turning blocks change, as far as a prediction with small rotations knows it.
+    """Effect of turning blocks, in words, as far as a prediction with small rotations knows it.
 
-    Changes are per cent of the value. Those of a value so small that it is judged by another size are in its own unit.
+    Changes are in per cent of the value. If the value is too small to be the scale of its changes, they are in its own unit.
     """
     unit = assembly.in_value_unit(assembly.weight)
     width = relative_width(coulomb.interval, coulomb.value, unit)

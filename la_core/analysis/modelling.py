@@ -10,7 +10,7 @@ from la_core.limit import Drive
 from la_core.model import Assembly, JointStiffness, assemble, decide_dem_effects, joint_stiffness
 from la_core.scene import Scene
 
-SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the interface of middle width; narrower ones have their own inset
+SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the median width of interfaces; narrower ones have their own inset
 SMALLEST_INSET_SHARE = 0.02
 
 

@@ -1,4 +1,4 @@
-"""The settings of YADE that follow from the path of limit analysis: all that YADE learns from a prediction, and never a value."""
+"""The settings of YADE that follow from the path of limit analysis. YADE learns only these from a prediction, and never a value."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.coulomb import FLAT, STIFFER, CoulombSolution, plateau_of
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
-STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-# Of the value's size: a curve that stays this near to its end is steady, for any run and for a long one. YADE states as much for its
-# settings.
+STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # the path's travels until it is flat are a quarter of the run's travel
+# Of the value's size: a curve that stays this near to its end is steady, for any run and for a long one. YADE states an uncertainty of
+# this size for its settings.
 STEADY, STEADY_OF_LONG_RUN = 1e-3, 5e-3
-# Of the way so far: a curve that leaves this band for no more has jumped, and is steady for a long run. On a wall of 1,008 blocks a
-# jump of 0.0006 travels, at four travels, doubled the time of its run.
+# Of the way so far: a curve that leaves this band for a shorter stretch has only jumped, and is steady for a long run. On a wall of 1,008
+# blocks a jump of 0.0006 travels, at four travels, doubled the time of its run.
 JUMPS = 0.01
 
 
@@ -22,10 +22,11 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the settings of YADE that follow from a path which needed more than one travel to become flat.
 
     They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
-    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
-    path would make steps too short: YADE may then stop only where all of its plateau lies beyond the travel that the path took to settle.
+    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. For a very long path, joints stiff
+    enough would make time steps too short. YADE may then stop only where all of its plateau lies beyond the travel after which the path is
+    steady.
     Empty where the path needed one travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in
-    proportion to it. Where blocks turn on the path, YADE covers its whole travel, with the joints that the path stands for.
+    proportion to it. Where blocks turn on the path, YADE covers its whole travel, with the joints that the path represents.
     """
     if analysis.assembly.effects.rotation == "finite":
         return {"plateau_share": 1.0} | ({} if has_given_stiffness(analysis.scene) else {"least_stiffening": STIFFER})
@@ -40,9 +41,9 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
 def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the settings in place of `settings_after_path` where a run with those would take long.
 
-    A path may come near its end early and then wander about it for many travels: that of a wall of 250 blocks stays within 0.5 % from
-    0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run asks for 0.5 %, jumps apart, and states it. Empty as
-    `settings_after_path` is, and where the scene requests an accuracy.
+    A path may come near its last value early and then vary about it for many travels: that of a wall of 250 blocks stays within 0.5 % from
+    0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run needs only 0.5 %, jumps apart, and states this uncertainty.
+    Empty where `settings_after_path` is, and where the scene requests an accuracy.
     """
     coulomb = _long_path(analysis)
     if coulomb is None or analysis.scene.accuracy is not None:
@@ -61,9 +62,9 @@ def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
 
 
 def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
-    """Return the travels, 1, 2, 4 and so on, after which the curve was flat and steady at its last value; all of them where it never was.
+    """Return the travels, 1, 2, 4 and so on, after which the curve was flat and steady at its last value; the whole path otherwise.
 
-    A path goes on beyond a flat curve where a contact point is about to change its state. Where that changed nothing, YADE need not follow.
+    A path goes on beyond a flat curve where a contact point is about to change its state. Where it changed nothing, YADE need not go on.
     """
     steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY * scale(analysis))
     travels, values = coulomb.path_settlement / analysis.stiffness.travel, coulomb.path_value / scale(analysis)
@@ -86,7 +87,7 @@ def _share(steady: float, stiffening: float) -> dict[str, float]:
 def _steady_after(coulomb: CoulombSolution, travel: float, near: float, jumps: float = 0.0) -> float:
     """Return the travels after which a path stays `near` its value (N, N m, multiplier); 0 where it always does.
 
-    What comes after a plateau that the curve leaves does not count.
+    The part of the curve after a plateau that it leaves does not count.
 
     travel: one travel, m or rad; jumps: share of the way so far for which the curve may be farther from its value later on.
     """

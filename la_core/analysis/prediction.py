@@ -39,7 +39,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     settings : AnalysisSettings
         Settings of the analysis, among them the paths of the prediction.
     listener : AnalysisListener
-        Receives how far the paths of the prediction are.
+        Receives the progress of the paths of the prediction.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
 
 
 def _explained(model: StructuralModel, answers: Pair) -> Pair:
-    """Return the answers with effects that say what their prediction shows."""
+    """Return the answers; the reasons of their effects also report the prediction."""
     coulomb = answers[0].coulomb
     return answers if coulomb is None else _with_effects(answers, with_rotation_explained(model.scene, answers[0].assembly, coulomb))
 
@@ -112,7 +112,7 @@ def _why_not_valid(whole: Pair, region: Pair) -> str:
 
 
 def _with_release_proven(whole: Answers, region: Pair) -> Pair:
-    """Return a region's answers without the value after a release where its state does not hold for the whole structure."""
+    """Return a region's answers; a value after a release is removed if its state does not hold for the whole structure."""
     at_inset, sharp = region
     coulomb = at_inset.coulomb
     if coulomb is None or coulomb.released_state is None:
@@ -157,7 +157,7 @@ def _predicted(
 def _without_history(at_inset: Answers, sharp: Answers) -> CoulombSolution | None:
     """Return the sharp associated answer as Coulomb's where friction has no history; None elsewhere.
 
-    It has none where no loaded joint slides in either mechanism, and both laws give one value at the inset.
+    Friction has none where no loaded joint slides in either mechanism, and both laws give one value at the inset.
     """
     coulomb, associated = at_inset.coulomb, sharp.bounds[sharp.main]
     bounds = at_inset.bounds[at_inset.main], associated
@@ -166,7 +166,7 @@ def _without_history(at_inset: Answers, sharp: Answers) -> CoulombSolution | Non
     if slides_in_mechanism(sharp.assembly, associated):
         return None
     rounded = bounds[0].value
-    if abs(coulomb.value - rounded) > SAME_VALUE * abs(rounded) + coulomb.uncertainty:  # slip on the way changed it
+    if abs(coulomb.value - rounded) > SAME_VALUE * abs(rounded) + coulomb.uncertainty:  # slip on the way changed the value
         return None
     if mechanism.sliding_share(at_inset.assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE:
         return None

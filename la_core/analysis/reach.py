@@ -25,14 +25,14 @@ from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, residual
 from la_core.model import Assembly, global_forces, twists_of
 from la_core.scene import Scene
 
-# Walls of 6 and 12 courses, mu 0.3 to 0.9, whose middle or end settles: with no layer around all that rests on the support the
-# prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %, and on large random
-# walls by up to 1.5 %. Where the history of friction matters more, shorter steps change the whole structure's answer by more than that,
-# towards the region's.
-LAYERS = (4, 8)  # of neighbours around all that rests on the support, one attempt each
+# Walls of 6 and 12 courses, mu 0.3 to 0.9, whose middle or end settles: without a layer around all blocks that rest on the support the
+# prediction may lose the whole reaction. With 1 layer it is off by 11 %, with 2 by 8 %, with 4 by less than 1 %, and on large random walls
+# by up to 1.5 %. Where the history of friction matters more, shorter steps change the whole structure's answer by more than that, towards
+# the region's.
+LAYERS = (4, 8)  # of neighbours around all blocks that rest on the support, one attempt each
 MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set aside
-# Of the free blocks. A smaller share is not worth a proof that may fail: where it holds, prediction and YADE have so many blocks less;
-# where it fails, the prediction is made again. It failed on two of nine random walls of 530 to 910 blocks, so that a share below about
+# Of the free blocks. A smaller share is not worth a proof that may fail. If the proof holds, prediction and YADE have so many blocks less;
+# if it fails, the prediction is made again. The proof failed on two of nine random walls of 530 to 910 blocks, so that a share below about
 # 2/9 would cost the prediction more than it saves.
 LEAST_SHARE, LEAST_BLOCKS = 0.25, 100
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
@@ -41,7 +41,7 @@ TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme
 
 
 def candidate_masks(scene: Scene, assembly: Assembly, may_meet: float) -> tuple[list[np.ndarray], str]:
-    """Return masks (B,) of free blocks to set aside in the order to try them, and why to model the whole structure otherwise.
+    """Return masks (B,) of free blocks to set aside in the order to try them, and the reason for the whole structure otherwise.
 
     scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: the whole structure's.
     may_meet: distance (m) within which two blocks without a joint may meet.
@@ -77,7 +77,7 @@ def reason(reduced: Assembly) -> str:
 def region(assembly: Assembly, layers: int) -> np.ndarray:
     """Return the mask (B,) of the free blocks that the support's motion may affect.
 
-    They are the blocks on the support and all that rests on these, then `layers` of neighbours and all that rests on these.
+    They are the blocks on the support and all blocks that rest on these, then `layers` of neighbours and all blocks that rest on those.
     """
     blocks, interfaces = assembly.blocks, assembly.interfaces
     support, a, b = blocks.role == SUPPORT, interfaces.block_a, interfaces.block_b
@@ -208,7 +208,7 @@ def extend_forces(whole: Assembly, reduced: Assembly, forces: np.ndarray) -> tup
     extended[in_region] = forces
     others = whole.blocks.free & ~reduced.aside
     rest = _hold(whole, others)
-    unknown = ~in_region[kept_points(whole, others)]  # the region's contact points have their forces
+    unknown = ~in_region[kept_points(whole, others)]  # the forces at the region's contact points are known
     load = np.where(reduced.aside[:, None], whole.dead_load + whole.contact_wrenches(extended), 0.0)
     alone = replace(rest, points=rest.points.subset(unknown), dead_load=load)
     problem, count = scaled_problem(alone), int(reduced.aside.sum())
@@ -222,7 +222,7 @@ def extend_forces(whole: Assembly, reduced: Assembly, forces: np.ndarray) -> tup
 
 
 def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
-    """Return the assembly with the blocks `held` (B,) fixed; contacts between held blocks go."""
+    """Return the assembly with the blocks `held` (B,) fixed; contacts between held blocks are removed."""
     blocks = replace(assembly.blocks, role=np.where(held, FIXED, assembly.blocks.role))
     interfaces = assembly.interfaces
     keep = blocks.free[interfaces.block_a] | blocks.free[interfaces.block_b]

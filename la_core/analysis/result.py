@@ -46,7 +46,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class AccuracyRecord:
-    """Attempts of both methods to reach a requested accuracy; of each method, the one that counts is last.
+    """Attempts of both methods to reach a requested accuracy; the last attempt of each method counts.
 
     Attributes
     ----------
@@ -268,7 +268,7 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
 
 
 def _stated(coulomb: CoulombSolution) -> dict[str, Any]:
-    """Return what a prediction states beside its value."""
+    """Return the statements of a prediction beside its value: uncertainty, value after a release, peak and plateaus."""
     values = {name: getattr(coulomb, name) for name in ("uncertainty", "released", "released_uncertainty")}
     values |= dict(zip(("peak", "peak_uncertainty"), coulomb.peak.tolist() or [math.nan, math.nan], strict=True))
     return values | {"plateaus": coulomb.plateaus.tolist()}
@@ -290,7 +290,7 @@ def _worst(residuals: Iterable[float]) -> float:
 
 
 def with_one_fall(bounds: dict[Drive, Solution]) -> dict[Drive, Solution]:
-    """Return the bounds of one assembly: where it cannot stand under one drive, that is the answer of each drive without a value."""
+    """Return the bounds of one assembly: if one drive shows that it cannot stand, every drive without a value has that answer."""
     fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
     return {drive: solution if fallen is None or solution.status is Status.SOLVED else fallen for drive, solution in bounds.items()}
 

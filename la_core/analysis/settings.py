@@ -1,4 +1,4 @@
-"""What a caller may give to an analysis beside its scene: settings, and a listener."""
+"""Optional inputs of an analysis beside its scene: settings and a listener."""
 
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
@@ -33,7 +33,7 @@ class AnalysisSettings:
 
 @runtime_checkable
 class AnalysisListener(Protocol):
-    """Receives what an analysis finds, while it still runs."""
+    """Receives the results of an analysis while it still runs."""
 
     def bounds(self, analysis: LimitAnalysis) -> None:
         """Receive the bounds as soon as they are known, before the paths; `analysis` has no prediction yet.
@@ -42,7 +42,7 @@ class AnalysisListener(Protocol):
         """
 
     def path(self, report: PathProgress) -> None:
-        """Receive how far a path is; the path belongs to the bounds that were received last."""
+        """Receive the progress of a path; the path belongs to the bounds that were received last."""
 
 
 def checked(listener: AnalysisListener | None) -> AnalysisListener | None:

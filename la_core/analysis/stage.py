@@ -22,7 +22,7 @@ def analyse(
     settings : AnalysisSettings, optional
         Settings of the analysis; None takes the defaults.
     listener : AnalysisListener, optional
-        Receives the bounds as soon as they are known, then how far the paths are.
+        Receives the bounds as soon as they are known, then the progress of the paths.
 
     Returns
     -------

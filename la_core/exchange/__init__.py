@@ -1,4 +1,4 @@
-"""The HDF5 contract with YADE: what `case.h5` and `run.h5` hold, how they are written, read and checked."""
+"""The HDF5 files between limit analysis and YADE: fields of `case.h5` and `run.h5`, writing, reading and checks."""
 
 from la_core.exchange.checksummed_file import ASK_OWNER, ExchangeError, write_whole
 from la_core.exchange.dem_settings import (

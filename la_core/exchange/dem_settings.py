@@ -6,17 +6,17 @@ from typing import Any
 POSES = 40  # states of a YADE run over its full travel
 TRAVEL_PERIODS = 1200.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
 LATEST_START = 0.6  # of a run's settlement: a plateau begins there at the latest
-# Share of the reaction that unbalanced forces are compared with where it is more than the weight of a block. A jump, half of it, is then
-# 2 % of the reaction, the largest uncertainty of a plateau.
+# Of the reaction: unbalanced forces are compared with this share where it is more than the weight of a block. A jump, half of this share,
+# is then 2 % of the reaction, the largest uncertainty of a plateau.
 AT_STAKE = 0.04
-UNCERTAIN = 1e-2  # of the reaction: a judge does not decide by a method that states more
+UNCERTAIN = 1e-2  # of the reaction: the judge does not rely on a method with a larger uncertainty
 LEAST_REACTION = 1e-4  # of the weight, for a moment times the size of a block: a smaller reaction counts as zero
 UNBALANCED = 0.02  # of the mean block weight: mean unbalanced force above which blocks rattle, and a run is not quasi-static
 JUMP = 25.0  # times the mean unbalanced force of blocks that rattle: the unbalanced force of one jump
 PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
-TRAVEL_OVER_INSET = 0.8  # of the support's fastest point, at most: a contact sphere that slips by its inset leaves the face
+TRAVEL_OVER_INSET = 0.8  # largest travel of the support's fastest point over the inset: a sphere that slips by its inset leaves the face
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
-# Settings of a YADE run that a case file may contain in `scene/settings`, and their meaning, which `yade_scripts.settings` says, too.
+# Settings of a YADE run that a case file may contain in `scene/settings`, and their meanings, which are in `yade_scripts.settings`, too.
 SETTING_MEANINGS = {
     "normal_stiffness": "of one contact point, along the joint's normal; also changes limit analysis",
     "shear_stiffness": "of one contact point, across the joint's normal; also changes limit analysis",
@@ -59,19 +59,19 @@ SETTING_MEANINGS = {
     "swing_damping": "damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none",
 }
 SETTINGS = tuple(SETTING_MEANINGS)
-# Defaults of those that are one number unless the structure is large or limit analysis asks for more; `yade_scripts.settings` derives the
-# others from the case.
-# Of 163 random walls run again with joints four times stiffer at half the speed, 90 in 100 moved by 0.11 % at most: hence
-# `settings_uncertainty`.
+# Defaults of the settings that are one number unless the structure is large or limit analysis asks for more; `yade_scripts.settings`
+# derives the other settings from the case.
+# On 163 random walls, run again with joints four times stiffer at half the speed, the reaction changed by 0.11 % at most in 90 of 100
+# cases: hence `settings_uncertainty`.
 SETTING_DEFAULTS = {
     "damping_ratio": 0.3, "time_step_share": 0.9, "travel_periods": TRAVEL_PERIODS, "wedging": 0.0, "gravity_damping": 0.3,
     "poses": POSES, "plateau_uncertainty": 0.02, "plateau_drift": 0.05, "stop_uncertainty": 0.002, "reaction_floor": 0.01,
     "settings_uncertainty": 1e-3, "threads": 1, "time_limit": 3600.0, "plateau_share": PLATEAU_SHARE, "rattling": UNBALANCED,
     "quick_speed": 2.0, "servo_frequency": 0.1, "servo_damping": 1.0, "added_mass": 0.05, "swing_damping": 0.0,
 }  # fmt: skip
-STIFFNESS_SETTINGS = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")  # the stiffness of the joints rests on them
-SHARED_SETTINGS = (*STIFFNESS_SETTINGS, "wedging")  # those that limit analysis reads, too; all others change YADE alone
-# Their units, of those that have one; a support moves in m, or turns in rad.
+STIFFNESS_SETTINGS = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")  # the stiffness of the joints depends on them
+SHARED_SETTINGS = (*STIFFNESS_SETTINGS, "wedging")  # limit analysis reads these, too; all other settings change YADE alone
+# Units of the settings that have one; a support moves in m, or turns in rad.
 SETTING_UNITS = {
     **dict.fromkeys(("normal_stiffness", "shear_stiffness"), "N/m"),
     **dict.fromkeys(("normal_damping", "shear_damping"), "N s/m"),
@@ -94,7 +94,7 @@ _BELOW_ONE = frozenset(("gravity_damping", "rest_unbalanced"))
 
 
 def broken_rule(name: str, value: Any) -> str:
-    """Return the rule that the value of a setting of YADE breaks whatever the structure, in words after "must be", or ""."""
+    """Return the rule that the value of a setting of YADE breaks in any structure, in words after "must be"; "" if it breaks none."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not is_number or (name in _WHOLE and not isinstance(value, int)):
         return "a whole number" if name in _WHOLE else "a finite number"

@@ -11,8 +11,8 @@ compression positive along the normal. An undefined number is NaN, never 0.
 from dataclasses import dataclass
 
 FREE, FIXED, SUPPORT = 0, 1, 2
-GRAVITY, SETTLEMENT = 0, 1  # stages of a run in YADE; the second stands for the live load, too
-EARLIER_ATTEMPT = "; before, "  # in `result/message`: stands before each attempt but the last
+GRAVITY, SETTLEMENT = 0, 1  # stages of a run in YADE; the second is that of a live load, too
+EARLIER_ATTEMPT = "; before, "  # in `result/message`: precedes each attempt but the last
 LEFT_PLATEAU = " leaves it before "  # in `result/message`: the value left the plateau that the run states
 
 
@@ -119,7 +119,7 @@ LOAD_FIELDS = (
         "blocks/live_load", "f8", ("B", 6), "N, N m", "live load of multiplier 1 that the dead loads on each block add; 0 for a settlement"
     ),
 )
-# What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
+# Fields that only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*PART_FIELDS, JOINT_INSET, SUPPORT_TWISTS, LIVE_DIRECTION, *LOAD_FIELDS)
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(

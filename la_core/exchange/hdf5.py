@@ -60,7 +60,7 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
 
 
 def _label(dataset: Any, name: bytes, text: str) -> None:
-    """Give a new dataset an attribute; `dataset.attrs` looks for one to replace first, which took a third of the time of a small file."""
+    """Give a new dataset an attribute; `dataset.attrs` first looks for an old one, which took a third of the time of a small file."""
     attribute = h5py.h5a.create(dataset.id, name, _TEXT, _SCALAR)
     attribute.write(np.array(text, dtype=h5py.string_dtype()))
 
@@ -83,16 +83,16 @@ def inputs_digest(path: Path) -> str:
 
 
 def made_by(path: Path) -> dict[str, str]:
-    """Versions and machine that made `path`, and the time, under MADE_AT; empty where no such file says it.
+    """Versions and machine that made the file `path`, and the time, under MADE_AT; empty where the file does not state them.
 
-    The time is that of the place, with its zone, in ISO 8601. The times of the file system are not asked: a copy has others.
+    The time is local, with its zone, in ISO 8601. The times of the file system are not used, because a copy has other times.
     """
     try:
         with _opened(path) as file:
             stored = json.loads(bytes(file.attrs["made_by"]).decode()) if "made_by" in file.attrs else {}
             made = {str(name): str(value) for name, value in stored.items()}
             has_zone = MADE_AT not in made or datetime.datetime.fromisoformat(made[MADE_AT]).tzinfo is not None
-    except ExchangeError:  # also a record of another form
+    except ExchangeError:  # also for a record of another form
         return {}
     return made if has_zone else {}
 
@@ -107,7 +107,7 @@ def holds(path: Path, group: str) -> bool:
 
 
 def present(path: Path, fields: tuple[Field, ...]) -> tuple[Field, ...]:
-    """Those of the fields that the file has, none where it cannot be read."""
+    """Fields of the given ones that the file has; none where it cannot be read."""
     try:
         with _opened(path) as file:
             return tuple(field for field in fields if field.path in file)
