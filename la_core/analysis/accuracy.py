@@ -79,12 +79,12 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
 
 
 def finer_paths() -> PredictionSettings:
-    """Return the paths of a scene that asks for a high effort: one attempt finer than the default."""
+    """Return the path settings of a scene that requests a high effort: one attempt finer than the default."""
     return _paths(HIGH)
 
 
 def _paths(level: int) -> PredictionSettings:
-    """Return the paths of an attempt."""
+    """Return the path settings of an attempt."""
     default, (viscosity, effort, finer) = PredictionSettings(), ATTEMPTS[level]
     return PredictionSettings(tuple(viscosity * first for first in default.viscosities), finer, effort * default.effort)
 

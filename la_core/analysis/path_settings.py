@@ -39,7 +39,7 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the settings in place of `settings_after_path` where a run with those would take long.
+    """Return the settings that replace `settings_after_path` where a run with the latter would take long.
 
     A path may come near its last value early and then vary about it for many travels: that of a wall of 250 blocks stays within 0.5 % from
     0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run needs only 0.5 %, jumps apart, and states this uncertainty.
@@ -64,7 +64,7 @@ def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
 def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
     """Return the travels, 1, 2, 4 and so on, after which the curve was flat and steady at its last value; the whole path otherwise.
 
-    A path goes on beyond a flat curve where a contact point is about to change its state. Where it changed nothing, YADE need not go on.
+    A path goes on beyond a flat curve where a contact point is about to change its state. YADE need not go so far if the value stayed.
     """
     steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY * scale(analysis))
     travels, values = coulomb.path_settlement / analysis.stiffness.travel, coulomb.path_value / scale(analysis)

@@ -6,7 +6,7 @@ which needs many programmes, and in YADE. An answer of the region holds for the 
     1. The blocks set aside stand under their own weight and the forces of the region, with the same friction. Both
        parts together are then a state of force of the whole structure, in equilibrium and within the friction law.
     2. Layers of blocks at rest lie between the blocks set aside and all blocks that move or rest on the support. The
-       history of friction there is then that of free neighbours.
+       history of friction there is then the same as beside free neighbours.
 The first condition is not enough for friction without dilatancy, because its states of force are not unique: a wall may
 hang between rigid flanks.
 """

@@ -1,7 +1,7 @@
 """Certificate of the end of a path: the state recomputed as a limit state with friction that does not dilate.
 
-A limit state is a set of contact forces with a mechanism: the forces balance the weights and lie in the friction cones,
-loaded joints do not part, friction mu n acts against the slip, and the power of the weights equals the dissipation plus
+A limit state is a set of contact forces with a mechanism. The forces balance the weights and lie in the friction cones.
+Loaded joints do not part, and friction mu n acts against the slip. The power of the weights equals the dissipation plus
 the power of the support or of the live load. The drag and the changing strain of the joints keep a path slightly away
 from such a state; the residuals measure the distance.
 
@@ -28,7 +28,7 @@ from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
-END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: share of those of the path, and least number
+END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, but at least so many
 END_STEPS = 20  # least number of steps of the last stretch
 LEAST_WORK = 1e-3  # of the weight's power at the support's rate: least power that residuals are relative to
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path

@@ -24,7 +24,7 @@ MOST_DOUBLINGS = 6
 ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value
 LAST_VISCOSITY = 1e-6  # after annealing
 # Unknowns of a large structure. Its joints are smooth at first, because their instabilities would take most of the time: a wall
-# of 1,024 blocks took 250 steps of sharp joints to a twelfth of the travel, and 20 of smooth ones to all of it.
+# of 1,024 blocks took 250 steps to a twelfth of the travel with sharp joints, and 20 to all of it with smooth ones.
 LARGE = 2500.0
 BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last one as its fourth power
 # Force over which joints part and slip, in mean contact forces: over the first viscosity; at most at the end. The stretch on which they
@@ -36,7 +36,7 @@ LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
-NEARLY = 0.01  # of a progress: a path that is short of it by less has reached it
+NEARLY = 0.01  # of a progress: a path that is short of it by less counts as there
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 
 

@@ -35,7 +35,7 @@ class Plateau:
     change : float
         Difference between the means over the second half and over the quarter before it.
     scatter : float
-        Largest distance of the values over the last quarter of the travel from the value, without stray ones.
+        Largest distance of the values over the last quarter of the travel from the value, without stray values.
     travel : float
         Progress at the end, over the travel.
     """
@@ -77,7 +77,7 @@ def reference_size(value: float) -> float:
 
 
 def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: float) -> Plateau:
-    """Plateau of a curve (P,) over its progress (P,) that was followed to `end` and has `value` at its certified end."""
+    """Plateau of a curve with `values` (P,) over `progress` (P,), followed to the progress `end`; `value` is that at its certified end."""
     last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
     length = _lengths(progress, 0.75 * end, end)
     order = np.argsort(values)

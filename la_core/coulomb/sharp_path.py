@@ -106,7 +106,7 @@ def peak_on_the_way(
 def go_on_turning(
     path: QuasiStaticPath, joints: ElasticJoints, settings: PredictionSettings, as_far_as: float, send: Sender
 ) -> FollowedPath | None:
-    """Follow a copy of a path on with joints whose blocks turn by finite angles, as `follow` does; None where it cannot go on.
+    """Continue a copy of a path, with joints whose blocks turn by finite angles, as `follow` does; None where it cannot go on.
 
     as_far_as: least travel of the path.
     """

@@ -26,12 +26,12 @@ from la_core.limit.symmetric_part import SymmetricPart, symmetric_part
 from la_core.measures import residuals
 from la_core.model import Assembly, global_forces, twists_of
 
-SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
+SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve, because the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
 # Of the value, and of the weight: a quick attempt with a larger error of its value is followed by a thorough one. An answer called solved
 # may have a larger error where the blocks that load the support are light beside the others.
 PRECISE, LEAST_PRECISE = 1e-4, 1e-8
-FIRST_ORDER = 2.0  # times the error of first order: in 76 solves of a stone beside a cube the error was up to 1.12 times that one
+FIRST_ORDER = 2.0  # times the error of first order: in 76 solves of a stone beside a cube the error was up to 1.12 times this
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
 
 

@@ -46,7 +46,7 @@ class StaticSolution:
     flow_violation : float
         Largest violation of the flow rule over the speed of the fastest block.
     duality_gap : float
-        Difference between the value and the mechanism's bound of it, over the mean free-block weight (a multiplier:
+        Difference between the value and its bound by the mechanism, over the mean free-block weight (a multiplier:
         as it is).
     seconds : float
         Time in the solver.

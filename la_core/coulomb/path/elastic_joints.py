@@ -4,7 +4,7 @@ At every contact point u is the relative displacement since the blocks were laid
 n = max(0, -kn u_n). The friction force follows its change in a step, t = t_before - ks (change of u_t), and is cut back to
 mu n where it exceeds that limit. The limit is reduced by the friction of a normal force of the size of round-off: in a
 very rough joint this friction would grow until the blocks jam. Only the friction force has a history, and a point that parts loses
-it. YADE's contacts obey the same law with the same stiffness.
+it. YADE's contacts obey the same law, mostly with a higher stiffness.
 
 The law can be smoothed. A contact point then parts and slips gradually, over forces of the size `smoothing`: n is the
 larger root of n (n + kn u_n) = smoothing^2, and |t| is the smaller root of (|t| - |t*|) (|t| - mu n) = smoothing |t|.

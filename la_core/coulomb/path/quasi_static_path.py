@@ -91,7 +91,7 @@ class Point:
 
 
 class QuasiStaticPath:
-    """Path of one structure that can be followed further and further.
+    """Path of one structure, which can be followed in several stretches.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class QuasiStaticPath:
     ) -> Iterator[Point]:
         """Follow the path to a progress and yield every point; stop early after `most_iterations` of the whole path.
 
-        It also stops where no step is short enough; `last.progress` then lies before the end.
+        The path also stops where no step is short enough; `last.progress` then lies before the end.
 
         Parameters
         ----------
@@ -212,14 +212,14 @@ class QuasiStaticPath:
                 return
 
     def _lengthen(self, iterations: int, change: float, length: float) -> None:
-        """Choose the length of the next step after one of `length` that was accepted; `change` is over its limit."""
+        """Choose the length of the next step after an accepted one of `length`. change: of the forces, as a share of its limit."""
         self._limit *= REGAINED
         if iterations <= EASY and change < SLIGHT_CHANGE:
             longest = max(LONGEST_STEP, LONGEST_SHARE * self.last.progress) / self._finer
             self._length = min(GROWTH * max(length, self._length), longest, max(self._limit, length))
 
     def _shorten(self, converged: bool, change: float, length: float) -> bool:
-        """Choose the length of the next trial after one of `length` that was refused; `change` is over its limit.
+        """Choose the length of the next trial after a refused one of `length`. change: of the forces, as a share of its limit.
 
         Returns False where the length is too short.
         """

@@ -1,7 +1,7 @@
 """Rest under gravity: the blocks are laid without force, their weights grow, and they sag on elastic joints until nothing moves.
 
-The weights grow as in YADE, because joints that slide on the way to rest keep a trace of this way. If all the weight acted at once, a light
-block might slip away before the block on it presses it, and in parts of domes joints would keep other thrusts: one part came to a
+The weights grow as in YADE, because joints that slide on the way to rest keep friction from this way. If all the weight acted at once, a
+light block might slip away before the block on it presses it. In parts of domes the joints would keep other thrusts: one part came to a
 plateau 0.8 % higher than YADE's.
 """
 
@@ -26,7 +26,7 @@ FALLEN = 1.0  # of the travel: a block that moves farther under gravity falls. Y
 
 
 def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, smoothing: float = 0.0) -> tuple[State | None, int]:
-    """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
+    """State at rest under gravity, and the Newton iterations that it took; None where the blocks do not come to rest.
 
     The blocks are laid without force, and their weights grow. Then a drag that falls with every step lets them sag until nothing moves.
 
