@@ -59,7 +59,7 @@ class Settings:
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
     gravity_ramp: float  # s, duration of the cosine ramp of weights and dead loads
     gravity_time: float  # s, longest time to come to rest
-    rest_unbalanced: float  # unbalanced force that counts as rest, over the mean block weight; of a light block over 20 times its own
+    rest_unbalanced: float  # largest unbalanced force at rest, over the mean block weight; for a light block, over 20 times its own weight
     rest_energy: float  # J, kinetic energy that counts as rest
     fall_speed: float  # m/s, speed beyond which a free block counts as falling
     record_rows: int  # rows of the record over the full travel
@@ -73,7 +73,7 @@ class Settings:
     threads: int  # threads of YADE; with more than one, two runs differ in their last digits
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that in the case: more travel over the sag
-    least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more shows the plateau earlier
+    least_stiffening: float  # least stiffening at which one travel has as many sags as the path needs to its plateau
     plateau_share: float  # least share of the travel before the run may stop on a plateau
     rattling: float  # mean unbalanced force over the mean block weight, above which blocks rattle
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure the effect of the speed; 0 for none

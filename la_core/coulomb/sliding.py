@@ -90,7 +90,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
         Motion of the support against its settlement before gravity acts, m or rad.
     """
     if associated.status is not Status.SOLVED:
-        locks = ", because blocks that dilate lock" if associated.status is Status.UNBOUNDED else ""
+        locks = ", because dilatancy locks the blocks" if associated.status is Status.UNBOUNDED else ""
         return Sliding(True, f"the associated answer is {associated.status}{locks}", known=False)
     if not assembly.points.friction.any():
         reason = "joints without friction slide without dilating, so the associated answer is Coulomb's"
@@ -131,7 +131,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
         return True, "a step on elastic joints has no answer", iterations
     bound = associated.value / joints.value_in_units(1.0)
     if abs(path.points[-1].value - bound) > SAME_VALUE * reference_size(bound):
-        return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value", iterations
+        return True, "the strain of the joints keeps the structure from its plateau, so friction may decide the value", iterations
     less = f"{100.0 * (1.0 - LESS_FRICTION):.0f} %"
     return False, f"no joint slides while the support moves, even with {less} less friction: the bound is the value from rest", iterations
 

@@ -88,10 +88,14 @@ PART_FIELDS = (
 )
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
 # Optional: files of version 0.2.0 do not have it.
-SWAY = Field("joints/sway", "f8", (), "m", "what joints/sag would be if the weights acted sideways, where the structure sways most slowly")
+SWAY = Field("joints/sway", "f8", (), "m", "joints/sag if the weights acted sideways, in the direction of the slowest sway")
 # Optional: only where the path of limit analysis was long.
 LONG_RUN_SETTINGS = Field(
-    "scene/settings_of_long_run", "str", (), "", "scene/settings where a run with those would take long, a JSON object"
+    "scene/settings_of_long_run",
+    "str",
+    (),
+    "",
+    "settings in place of scene/settings for a case whose run would take long with those, a JSON object",
 )
 # Optional: only where a live load drives the structure; no support moves then.
 LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load in proportion to the weights of the free blocks")
@@ -113,7 +117,7 @@ LOAD_FIELDS = (
         "f8",
         ("B",),
         "N",
-        "part of the dead loads along gravity; it counts as weight in W, which also has the loads on blocks/aside: they are 0 here",
+        "part of the dead loads along gravity, which counts in W; 0 for blocks/aside, although W contains their loads, too",
     ),
     Field(
         "blocks/live_load", "f8", ("B", 6), "N, N m", "live load of multiplier 1 that the dead loads on each block add; 0 for a settlement"
@@ -127,7 +131,7 @@ FIRST_PREDICTION = Field(
     "str",
     (),
     "",
-    "what limit analysis said before YADE ran, where that run showed an effect to be needed, a JSON object",
+    "answers of limit analysis before the run in YADE that showed an effect to be needed, a JSON object",
 )
 _SOLUTION = (
     ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
@@ -237,7 +241,7 @@ RUN_FIELDS = (
         "f8",
         (),
         "m or rad",
-        "motion imposed until the stop, of the support or the point that pulls a live load",
+        "imposed motion at the stop, of the support or of the point that pulls a live load",
     ),
     Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
     Field("result/slope", "f8", (), "N/m", "slope of the fitted line; N m/rad for a rotation, 1/m for a multiplier"),
@@ -271,7 +275,7 @@ RUN_FIELDS = (
         "f8",
         ("T",),
         "-",
-        "largest unbalanced force over the mean free-block weight; at stage 0 over 20 times the own, where less",
+        "largest unbalanced force over the mean free-block weight; at stage 0, for a light block, over 20 times its own weight",
     ),
     Field("poses/settlement", "f8", ("P",), "m or rad", "support motion of each stored state; the first is rest under gravity"),
     Field("poses/displacement", "f8", ("P", "B", 3), "m", "displacement of the centroid from the case's geometry"),

@@ -143,7 +143,7 @@ def _of_path(blocks: Blocks, file: SceneFile, twists: np.ndarray | None) -> Iter
         yield (
             f"path.settlement = {settlement:g} moves blocks by {settlement * speed / size:.2g} times a block's size, but lever arms stay "
             "those of the structure as built, with finite rotations, too. Do not use the curve "
-            f"beyond about {TURNED * size / speed:.2g}: blocks that have moved so far balance at other values."
+            f"beyond about {TURNED * size / speed:.2g}: the true lever arms, and so the reaction, differ by then."
         )
 
 

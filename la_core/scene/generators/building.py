@@ -119,7 +119,7 @@ def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
     region = building.foundation.settling
     if region is not None and not settles:
         where = f'building "{building.name}": foundation.settling'
-        rule = f"contains no part of a foundation, so nothing settles; it counts from the building's origin, {building.origin}"
+        rule = f"contains no part of a foundation, so nothing settles; its coordinates count from the building's origin, {building.origin}"
         raise SceneError(where, rule, value=(region.from_, region.to))
 
 

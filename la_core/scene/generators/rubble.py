@@ -129,7 +129,7 @@ def _stones(rubble: Rubble) -> list[list[tuple[float, float]]]:
         diagram = _Diagram.of(diagram.moved((sites[short], ends[short], length[short]), least), size)
     where = f'rubble "{rubble.name}": shortest'
     rule = f"cannot be reached: these stones keep a joint of {diagram.joints(stretch)[2].min():.2g} m"
-    hint = f"take another `seed` or less, such as {0.1 * rubble.stone_size:.2g} m"
+    hint = f"take another `seed`, or a smaller value such as {0.1 * rubble.stone_size:.2g} m"
     raise SceneError(where, rule, value=least, hint=hint)
 
 

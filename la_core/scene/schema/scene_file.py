@@ -120,11 +120,11 @@ class Zone(Table):
 
 
 class Settlement(Table):
-    """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of it.
+    """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of this motion.
 
-    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too, each about its top. The
-    reaction is the force that does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half
-    that of the second.
+    Each `zone` gives the share of its supports. Or a `profile`, such as a trough, gives the share by place: supports then turn, too, each
+    about its top. The reaction is the force that does work on the settlement: for two supports with the ratios 1 and 0.5, it is the force
+    of the first plus half the force of the second.
     """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
@@ -197,8 +197,8 @@ class RequestedEffects(Table):
         "small: contacts in YADE are those of the joints; finite: YADE looks for new ones", default="auto"
     )
     rotation: Literal["auto", "small", "finite"] = described(
-        "small: the prediction is for small displacements; auto: the same, and limit analysis also says what turning blocks release; "
-        "finite: both methods answer for displacements after this release, and YADE covers its whole travel",
+        "small: the prediction is for small displacements; auto: the same, and limit analysis also states the value after turning "
+        "blocks release a thrust; finite: both methods answer for displacements after this release, and YADE covers its whole travel",
         default="auto",
     )
     recording: Literal["auto", "plateau", "states"] = described("states that YADE stores: on the plateau, or all the way", default="auto")

@@ -86,8 +86,8 @@ def described(meaning: str, unit: str = "", **options: Any) -> Any:
 
 NO_BOND = dict.fromkeys(
     ("cohesion", "tension", "tensile_strength"),
-    "joints are dry and carry neither cohesion nor tension: bounds of limit analysis could, but not its prediction and not YADE's law of "
-    "contact, so that nothing could be compared; leave it out, and give stones that mortar binds as one block",
+    "joints are dry and carry neither cohesion nor tension: bounds of limit analysis could include them, but the prediction and YADE's law "
+    "of contact cannot, so the two methods could not be compared; leave it out, and give stones that mortar binds as one block",
 )
 
 
