@@ -10,7 +10,7 @@ The stable names:
 - `animate`: write the settlement as a GIF or MP4.
 - `cost`, `sensitivity`: study error against time, or the classic iteration; return `CostResult` and `SensitivityResult`.
 
-All other names may change. Nothing is loaded before it is asked for: drawing takes a second that most commands can save.
+All other names may change. Each name is loaded on first use: most commands draw nothing, and save the second that drawing takes to load.
 Type checkers read the stable names in `__init__.pyi`.
 """
 

@@ -1,4 +1,4 @@
-"""Entry point of `crosscheck`: an interruption or a missing part ends in one line, even while the program is still loading."""
+"""Entry point of `crosscheck`: an interruption or a missing package ends with one line, even while the program is still loading."""
 
 import gc
 import os
@@ -6,7 +6,7 @@ import signal
 import sys
 from types import FrameType
 
-CANNOT_LOAD = 3  # TOOL of comparison.cli.exit_codes, which may be what cannot be loaded
+CANNOT_LOAD = 3  # TOOL of comparison.cli.exit_codes; that module itself may fail to load
 
 
 def main() -> int:
@@ -19,9 +19,9 @@ def main() -> int:
     _open_closed_streams()
     os.environ["MPLBACKEND"] = "Agg"  # all figures are files; a backend that matplotlib no longer knows would end the command
     patient = signal.getsignal(signal.SIGINT)
-    if patient is signal.default_int_handler:  # else somebody asked not to be interrupted
+    if patient is signal.default_int_handler:  # else the caller has chosen to ignore or handle interruptions
         signal.signal(signal.SIGINT, _stop_at_once)
-    gc.disable()  # what loading makes is there to stay: to search it for what could be freed takes a tenth of the time
+    gc.disable()  # objects made while loading are not freed; searching them for garbage takes a tenth of the time
     try:
         from comparison.cli import main as run
     except ImportError as error:
@@ -36,7 +36,7 @@ def main() -> int:
 
 
 def _open_closed_streams() -> None:
-    """Let closed standard streams lead to the null device: a file of results would get their numbers, and what libraries print there."""
+    """Open the null device for each closed standard stream: else a file of results gets its number, and the output of libraries."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             stream = os.fdopen(os.open(os.devnull, os.O_RDWR), "w" if number else "r", encoding="utf-8")  # it takes the lowest free number
@@ -45,7 +45,7 @@ def _open_closed_streams() -> None:
 
 
 def _stop_at_once(number: int, frame: FrameType | None) -> None:
-    """An exception might be swallowed by what is being imported; nothing has begun that would need an end."""
+    """End the process without an exception, which a loading module might swallow; no work has begun that needs an end."""
     os.write(2, b"error: stopped before anything began\n")
     os._exit(130)
 

@@ -36,7 +36,7 @@ from la_core.errors import SceneError, path_of, real_path, seconds_or_none, true
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
-MOST_ROWS = 20  # of a printed table; the data frame has all
+MOST_ROWS = 20  # in a printed table; the data frame has all rows
 CHANGE_COLUMNS = ("case", "what", "before", "after", "difference", "allowed")
 
 
@@ -56,14 +56,14 @@ class CampaignResult(Tabled):
         One row a case that ended, with the columns of results.csv, and "folder", the folder of its report below `folder`;
         None is undefined. Reactions are in N or N m.
     unfinished : str
-        How many cases of an interrupted campaign have ended, as a sentence; "" where all have.
+        Sentence on the number of ended cases of an interrupted campaign; "" where all cases have ended.
     """
 
     folder: Path
     title: str
     rows: list[dict[str, Any]]
     unfinished: str = ""
-    _stored: CampaignTable | None = None  # what `compare` takes: a later campaign may replace the table in the folder
+    _stored: CampaignTable | None = None  # table for `compare`: a later campaign may replace the one in the folder
 
     def to_dataframe(self) -> Any:
         """Return the rows as a table of pandas.
@@ -257,7 +257,7 @@ def _result_of(table: CampaignTable) -> CampaignResult:
 
 
 def _table_of(given: CampaignResult | Path) -> CampaignTable:
-    """Return the table of a result, which a later campaign in its folder may have replaced there, or the one that a folder holds."""
+    """Return the table of a result as it was read, because a later campaign may have replaced its file; or the table in a folder."""
     if isinstance(given, CampaignResult):
         return given._stored or read_table(given.folder)
     return read_table(given)

@@ -1,4 +1,4 @@
-"""Errors that stop a command, besides a faulty scene, their one message, and the console of standard error."""
+"""Errors that stop a command, besides those of a scene; the message of an error; and the console of standard error."""
 
 import contextlib
 import errno
@@ -19,7 +19,7 @@ class FolderInUseError(Exception):
 
 
 class YadeMissingError(Exception):
-    """No usable YADE on this machine; the message says what is missing and how to get it."""
+    """This machine has no usable YADE; the message names the missing part and how to get it."""
 
 
 class YadeFailedError(Exception):
@@ -31,7 +31,7 @@ class WorkerLostError(Exception):
 
 
 class PrinterMissingError(Exception):
-    """No browser that prints a report as PDF; the message says how to get one or do without."""
+    """No browser is installed that prints a report as PDF; the message says how to get one or do without."""
 
 
 _WITH_A_MESSAGE = (
@@ -39,7 +39,7 @@ _WITH_A_MESSAGE = (
 )  # fmt: skip
 
 
-_NO_ROOM = "failed to map segment"  # words of the system's loader where memory is too short for a library
+_NO_ROOM = "failed to map segment"  # message of the system's loader where memory does not suffice for a library
 _FREE_SPACE = "free some space; the same command then continues"
 _OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
 _NEXT_STEP = {  # by the number of a system's error
@@ -57,7 +57,7 @@ _NEXT_STEP = {  # by the number of a system's error
 
 
 def message_of(error: BaseException) -> str:
-    """Return one message that says what stopped a command and what to do."""
+    """Return one message with the cause that stopped a command and the next step."""
     if isinstance(error, _WITH_A_MESSAGE):
         return str(error)
     if isinstance(error, FileExistsError | NotADirectoryError) and error.filename:
@@ -68,7 +68,7 @@ def message_of(error: BaseException) -> str:
     if isinstance(error, OSError):
         step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""
         step = f"; {ASK_OWNER}" if error.errno == errno.EACCES and _is_closed(error.filename) else step
-        nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # what writes files names them
+        nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # errors of other files name them
         return f"{error.filename or nameless}: {error.strerror or error}{step}"
     if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _NO_ROOM in str(error)):
         return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
@@ -79,10 +79,10 @@ def message_of(error: BaseException) -> str:
 
 
 def _about_encoding(error: BaseException) -> str:
-    """What to say of a name that this locale lacks letters for, or of a file of matplotlib's style in another encoding; else ""."""
+    """Return the message for a name with letters that the locale lacks, or for a matplotlib style file not in UTF-8; else ""."""
     if isinstance(error, UnicodeEncodeError) and is_of_locale(str(error.object)):
         before, after = str(error.object)[: error.start], str(error.object)[error.start :]
-        line = before.rpartition("\n")[2] + after.partition("\n")[0]  # of a page, the line with the name
+        line = before.rpartition("\n")[2] + after.partition("\n")[0]  # of a whole page, only the line with the name
         return f"{visible(line)}: this name cannot be used: {OF_LOCALE}"
     frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__) if frame.f_code.co_name == "_rc_params_in_file"]
     if not frames or not isinstance(error, UnicodeDecodeError):
@@ -92,7 +92,7 @@ def _about_encoding(error: BaseException) -> str:
 
 
 def _is_closed(filename: Any) -> bool:
-    """Whether a file may not be read, or a folder on the way to it not be entered, as those of a user with a strict umask."""
+    """Return whether a file may not be read or a folder above it not be entered, as with files of a user with a strict umask."""
     if not isinstance(filename, str) or not filename:
         return False
     path = Path(filename).absolute()
@@ -101,29 +101,29 @@ def _is_closed(filename: Any) -> bool:
 
 
 class _LossyStderr:
-    """Standard error that loses what it cannot take; everything else of it is that of the stream."""
+    """Standard error that drops text that it cannot write; its other attributes are those of the stream."""
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
 
     @property
     def _stream(self) -> Any:
-        return getattr(sys.stderr, "rich_proxied_file", sys.stderr)  # bars put a stream of their own in its place
+        return getattr(sys.stderr, "rich_proxied_file", sys.stderr)  # Rich's progress bars replace sys.stderr by a stream of their own
 
     def write(self, text: str) -> int:
-        """Write a text, or lose it."""
-        with contextlib.suppress(Exception):  # a caller from Python may have put None or any object in its place
+        """Write a text, or drop it where it cannot be written."""
+        with contextlib.suppress(Exception):  # a caller from Python may have set sys.stderr to None or any object
             self._stream.write(text)
         return len(text)
 
     def flush(self) -> None:
-        """Hand on what was written, or lose it."""
+        """Flush the stream, or drop text that it cannot write."""
         with contextlib.suppress(Exception):
             self._stream.flush()
 
 
 class StderrConsole(Console):
-    """Console for narration and warnings; work goes on where standard error takes no more words: full, closed or gone.
+    """Console for narration and warnings; work goes on where standard error cannot be written, because it is full, closed or gone.
 
     Parameters
     ----------

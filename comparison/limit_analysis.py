@@ -15,26 +15,26 @@ from la_core.scene import Scene
 
 
 class Listener(AnalysisListener, Protocol):
-    """Receives what happens in the stages while they run."""
+    """Receives the progress of the stages while they run."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
-        """Receive that a stage of a scene began, was found cached, or ended unusually; state: as one phrase."""
+        """Receive the new state of a scene's stage as one phrase: it began, was found cached, or ended unusually."""
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Receive a progress report of YADE, as `comparison.yade.run_yade` describes it, with unit and quantity of the scene."""
 
 
 def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
-    """Return limit analysis, stored or new, and the digest of its inputs; a new one deletes the run made from the old one, and its log.
+    """Return the stored or a new limit analysis, and the digest of its inputs. A new one deletes YADE's run of the old one, and its log.
 
-    model: of the scene. folder: of its results. listener: receives the progress.
+    model: model of the scene. folder: folder of its results. listener: receives the progress.
     """
     scene, path = model.scene, folder / "case.h5"
     inputs = case_file.scene_digest(scene)
     if exchange.inputs_digest(path) == inputs:
         try:
             stored = case_file.read_case(path, scene, model.assembly.interfaces)
-            first_prediction(stored, folder)  # one that cannot be read is damage, too
+            first_prediction(stored, folder)  # raises an error for an unreadable one, which is damage, too
             listener.stage(scene.name, "limit analysis", "cached")
             return stored, inputs
         except exchange.ExchangeError as error:
@@ -49,9 +49,9 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
 
 
 def first_prediction(analysis: LimitAnalysis, folder: Path) -> dict[str, Any] | None:
-    """Return what limit analysis said before YADE ran, in the form of `answer_of`; None where no effect was restored since.
+    """Return the answer of limit analysis before YADE ran, in the form of `answer_of`; None where no effect was restored since.
 
-    Raises exchange.ExchangeError where the stored text is no such answer. analysis: the one in `case.h5`. folder: of the scene's results.
+    Raises exchange.ExchangeError where the stored text is no such answer. analysis: content of `case.h5`. folder: the scene's results.
     """
     path = folder / "case.h5"
     text = case_file.read_first_prediction(path) if analysis.assembly.effects.called_back else ""
@@ -60,10 +60,10 @@ def first_prediction(analysis: LimitAnalysis, folder: Path) -> dict[str, Any] | 
 
 
 def limit_analysis_alone(model: StructuralModel, folder: Path, listener: Listener) -> LimitAnalysis:
-    """Return limit analysis, stored or new, and store a new one for `crosscheck run` where it replaces no other result.
+    """Return the stored or a new limit analysis, and store a new one for `crosscheck run` unless it would replace another result.
 
     A folder that is in use, cannot be read or cannot be written is no error: the analysis is then made, and not stored. The folder is
-    locked only while it is written, so that nobody waits for an analysis.
+    locked only while results are written, so that no other process waits for an analysis.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def _store_as_first(analysis: LimitAnalysis, inputs: str, folder: Path) -> None:
 
 
 def _is_free(folder: Path, scene: Scene) -> bool:
-    """Return whether a folder holds at most what an interrupted call for the same scene left there: its lock and its copy of the scene."""
+    """Return whether a folder holds at most a lock and a copy of the same scene, as an interrupted call leaves them."""
     names, copied = {path.name for path in folder.iterdir()}, folder / "scene.toml"
     is_same = copied.name not in names or (copied.is_file() and copied.read_bytes() == scene.text.encode())
     return is_same and names <= {LOCK, copied.name}

@@ -10,13 +10,13 @@ from typing import Any
 from la_core.text_table import exists, without_round_off
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
-LEAST_UNCERTAINTY = 1e-7  # a smaller one is round-off: a tenth of the residual that a solver is allowed
-MOST_PLACES = 6  # decimal places of a small number; one that needs more is written with an exponent
+LEAST_UNCERTAINTY = 1e-7  # a smaller uncertainty is round-off: a tenth of a solver's allowed residual
+MOST_PLACES = 6  # decimal places of a small number; a number that needs more is written with an exponent
 NEARLY_ZERO = "≈ 0"
-LEAST_SHARE = 1e-3  # per cent: a smaller difference is as good as none
+LEAST_SHARE = 1e-3  # per cent: a smaller difference is shown as NEARLY_ZERO
 A_POINT = "a point"
-DASH = "–"  # stands for an undefined number
-SAME_STIFFNESS = 1e-9  # of a stiffness: two that differ by less are the same
+DASH = "–"  # text of an undefined number
+SAME_STIFFNESS = 1e-9  # relative difference below which two stiffnesses count as equal
 SMALL = 100.0  # N: structures that weigh less are reported in N, all others in kN
 
 
@@ -43,9 +43,9 @@ def format_number(value: Any, digits: int = 4) -> str:
 def small_number(value: Any, scale: Any, digits: int = 3) -> str:
     """Return a number with the decimal places that `scale` has at `digits` significant digits.
 
-    A difference has the places of the value or the tolerance that it is compared with; its further digits say nothing. What is 0 in
-    these places is NEARLY_ZERO, unless it is exactly 0. Where the scale is zero or undefined, or needs more than MOST_PLACES, the number
-    has `digits` significant digits of its own.
+    A difference has the places of the value or the tolerance that it is compared with, because further digits mean nothing. A number
+    that rounds to 0 in these places is NEARLY_ZERO, unless it is exactly 0. Where the scale is zero or undefined, or needs more than
+    MOST_PLACES, the number has `digits` significant digits of its own.
     """
     if not (exists(value) and value and exists(scale) and scale):
         return format_number(value, digits)
@@ -57,7 +57,7 @@ def small_number(value: Any, scale: Any, digits: int = 3) -> str:
 
 
 def plain_number(value: Any, digits: int = 2) -> str:
-    """Return a small number, such as a tolerance, without an exponent as far as MOST_PLACES reach, and without zeros at its end."""
+    """Return a small number, such as a tolerance, without trailing zeros, and without an exponent unless it needs more than MOST_PLACES."""
     text = small_number(value, value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
 
@@ -65,7 +65,7 @@ def plain_number(value: Any, digits: int = 2) -> str:
 def with_uncertainty(value: Any, uncertainty: Any) -> str:
     """Return a value and its uncertainty as text, both rounded to the first digit of the uncertainty.
 
-    An unknown uncertainty is left out, and so is one that changes none of the value's first five digits, or is below LEAST_UNCERTAINTY.
+    An uncertainty is left out where it is unknown, is below LEAST_UNCERTAINTY, or changes none of the value's first five digits.
     """
     text = format_number(value, 5)
     if not (exists(value) and exists(uncertainty)) or uncertainty < LEAST_UNCERTAINTY or format_number(value + uncertainty, 5) == text:
@@ -97,7 +97,7 @@ def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
 
 
 def range_words(low: Any, high: Any, digits: int) -> str:
-    """Return a range, one end of which may be missing, as text with `digits` significant digits; "" without both ends."""
+    """Return a range as text with `digits` significant digits; one end may be missing, and the text is "" where both are."""
     if not exists(low):
         return f"at most {format_number(high, digits)}" if exists(high) else ""
     return value_range(low, high, not exists(high), digits)
@@ -125,7 +125,7 @@ def signed(value: float, digits: int) -> str:
 
 
 def class_words(joints: dict[str, Any]) -> str:
-    """Return what a class of joints holds for; `joints` is an entry of `la_core.scene.classes_as_dicts`."""
+    """Return the joints of a class in words; `joints` is an entry of `la_core.scene.classes_as_dicts`."""
     kind = f"{joints['joints']} joints" if joints["joints"] else "joints"
     return f"{kind} between {' and '.join(joints['between'])}" if joints["between"] else kind
 
@@ -142,7 +142,7 @@ def percent(share: float | None, digits: int = 2) -> str:
     """Return a share in per cent with some significant digits, from 100 % on without decimals, or a dash where it is undefined."""
     if share is None or not math.isfinite(share):
         return DASH
-    share += 0.0  # of -0.0, which has no sign in a text
+    share += 0.0  # turns -0.0 into 0.0, so that the text has no sign
     text = f"{100.0 * share:.0f} %" if abs(share) >= 0.995 else f"{100.0 * share:.{digits}g} %"
     return text.replace("-", "−", 1) if share < 0.0 else text
 
@@ -164,7 +164,7 @@ def sentences(text: str) -> list[str]:
 
 
 def said_once(texts: Iterable[str]) -> list[str]:
-    """Return texts without the sentences that were said before; empty texts are left out."""
+    """Return texts without the sentences of earlier texts; empty texts are left out."""
     said: dict[str, None] = {}
     kept = []
     for text in texts:
@@ -203,7 +203,7 @@ def round_below(value: float) -> float:
 LENGTHS = {"m": (1e-3, "mm"), "rad": (1e-3, "mrad")}
 # Numbers of one SI unit within a sentence: "2552.39 to 3340.92 N", "363.3 ± 0.1 N", "363.3, 402 N", "12.5 N m", "4e-05 m".
 _NUMBER = r"[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
-# A name between double quotes, such as "pier 2 m", holds no number.
+# A name between double quotes, such as "pier 2 m", has no number to convert.
 _IN_WORDS = re.compile(rf"\"[^\"]*\"|(?<![\w.])(?P<numbers>{_NUMBER}(?:(?: to | ± |, ){_NUMBER})*) (?P<unit>N m|N|m)(?![\w/0-9])")
 LONGEST_TEXT = 10  # characters of a number that is written without a power of ten
 
@@ -221,14 +221,14 @@ class Units:
     weight: float | None
 
     def of(self, unit: str) -> tuple[float, str]:
-        """Return the size of the shown unit in an SI unit such as "N", "N m", "N/m", "m" or "rad", and its name; others stay."""
+        """Return size and name of the report's unit for an SI unit such as "N", "N m", "N/m", "m" or "rad"; other units stay."""
         if unit == "N/m":
             size, force = force_unit(self.weight)
             return 1e3 * size, f"{force}/mm"
         return LENGTHS.get(unit) or force_unit(self.weight, unit)
 
     def value(self, value: Any, unit: str) -> float | None:
-        """Return a value of an SI unit in the shown one, 0 for a force of round-off alone; None where it is undefined."""
+        """Return a value, given in an SI unit, in the report's unit: 0 for a force that is only round-off, None where undefined."""
         if not exists(value):
             return None
         if unit in ("N", "N m") and exists(self.weight):
@@ -236,11 +236,11 @@ class Units:
         return value / self.of(unit)[0]
 
     def text(self, value: Any, unit: str, digits: int = 4) -> str:
-        """Return a value of an SI unit with its shown unit as text; a dash where it is undefined."""
+        """Return a value, given in an SI unit, as text in the report's unit; a dash where it is undefined."""
         return f"{format_number(self.value(value, unit), digits)} {self.of(unit)[1]}".rstrip() if exists(value) else DASH
 
     def words(self, sentence: str) -> str:
-        """Return a sentence with its forces and lengths in the shown units."""
+        """Return a sentence with its forces and lengths in the report's units."""
         return _IN_WORDS.sub(self._shown, sentence)
 
     def _shown(self, found: re.Match[str]) -> str:
@@ -251,7 +251,7 @@ class Units:
 
 
 def _scaled(number: str, size: float) -> str:
-    """Return a number as text over a power of ten, with the digits that it has."""
+    """Return a number, given as text, divided by a power of ten, with the same digits."""
     scaled = Decimal(number.replace("−", "-")).scaleb(-round(math.log10(size)))
     text = f"{scaled:f}".replace("-", "−")
     return text if len(text) <= LONGEST_TEXT else format_number(float(scaled), _digits(number))

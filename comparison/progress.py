@@ -17,8 +17,8 @@ from la_core.scene import Scene, tilt_angles
 from la_core.text_table import without_round_off
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
-LONG = 60.0  # s: an attempt of YADE is announced once as much time is left
-LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
+LONG = 60.0  # s: an attempt of YADE is announced where at least this time is left
+LEAST_GAIN = 0.01  # share of the work: before this gain, the pace says little about the time left
 BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
 
@@ -50,7 +50,7 @@ class _Bars:
 
     @property
     def _is_heard(self) -> bool:
-        """Whether words said now would be shown: always as a bar, else LINE_EVERY seconds after the last ones."""
+        """Whether a line printed now would be shown: always with bars, otherwise LINE_EVERY seconds after the last line."""
         return self._has_bars or time.monotonic() - self._spoke >= LINE_EVERY
 
 
@@ -70,7 +70,7 @@ class Narration(_Bars):
         self._end_bar(scene)
 
     def bounds(self, analysis: LimitAnalysis) -> None:
-        """Tell the bounds; the paths that follow are of the same analysis."""
+        """Print the bounds; the paths that follow belong to the same analysis."""
         self._end_bar(analysis.scene.name)
         self._analysed, self._pace = analysis.scene, _Pace()
         self.tell_bounds(analysis)
@@ -80,7 +80,7 @@ class Narration(_Bars):
         self._say(f"{analysis.scene.name}: limit analysis: {bounds_words(analysis)}")
 
     def path(self, report: PathProgress) -> None:
-        """Show how far the paths of the prediction are."""
+        """Show the progress of the prediction's paths."""
         scene, share = self._analysed, report.share
         assert scene is not None  # bounds come first
         which = f"path {report.path} of {report.paths}" if report.paths > 1 else "path"
@@ -91,7 +91,7 @@ class Narration(_Bars):
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Show the progress of a running YADE case; an attempt that is expected to take long is announced.
 
-        report: as YADE's process wrote it.
+        report: progress report of YADE's process.
         """
         if report.get("stage") == "loaded":
             self._announced.pop(scene, None)
@@ -109,7 +109,7 @@ class Narration(_Bars):
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work; without a terminal, print a line every few seconds.
 
-        fraction: of the work that is done, 0 to 1. state: one phrase on where it is.
+        fraction: share of the work that is done, 0 to 1. state: the present state of the work as one phrase.
         """
         if not self._has_bars:
             self._say_now_and_then(f"{scene}: {state}")
@@ -124,7 +124,7 @@ class Narration(_Bars):
 
 
 class _Pace:
-    """Remaining time of a work, from its pace since it was first heard of, or since its estimated share last fell."""
+    """Remaining time of some work, from its pace since the first report, or since its estimated share last fell."""
 
     def __init__(self) -> None:
         self._began, self._first, self._last = 0.0, 0.0, float("inf")
@@ -147,7 +147,7 @@ class CampaignNarration(_Bars):
         self._task = self._bars.add_task(visible(title), total=None, state="")
         self._total = self._running = self._done = self._failed = self._before = 0
         self._began = time.monotonic()
-        self._is_told = False  # that all runs ended
+        self._is_told = False  # whether the end of all runs was printed
 
     def opens(self, cases: int, runs: int, cached: int) -> None:
         """Print the number of cases and runs; cached: runs that were finished before."""
@@ -229,7 +229,7 @@ def _unit_of_share(scene: Scene) -> str:
 
 
 def _announcement(seconds: float, report: dict[str, Any]) -> str:
-    """Return how long a run still takes, and whether its time limit, which the report has, ends it before; both s from now."""
+    """Return as text the time that a run still takes, `seconds`, and the report's time limit where this ends the run first."""
     limit: float | None = report.get("seconds_to_limit")
     words = f"{time_words(seconds)} to a plateau, longer if the blocks stick and slip"
     if limit is None or seconds < limit:
@@ -252,5 +252,5 @@ def _state(report: dict[str, Any]) -> str:
 
 
 def narration(quiet: bool) -> Narration:
-    """Return a narration on standard error for a caller from Python; it prints nothing where it should be quiet."""
+    """Return a narration on standard error for a caller from Python; a quiet one prints nothing."""
     return Narration(StderrConsole(true_or_false("quiet", quiet)))

@@ -67,7 +67,7 @@ class Result(Tabled):
 
     @property
     def next_step(self) -> str:
-        """What to do next, in sentences with commands of the shell; "" where both methods agree, or where nothing was compared."""
+        """Next step in sentences with shell commands; "" where both methods agree, or where nothing was compared."""
         return str(self._summary.get("next_step") or "")
 
     @property
@@ -165,7 +165,7 @@ def run(
     quiet : bool
         Whether to write no progress to stderr.
     try_harder : bool
-        Whether to run both methods again with finer settings, in the folder SCENE_harder, where they disagree or a question stays open.
+        Whether to run both methods again with finer settings, in SCENE_harder, where the verdict is disagree, unexpected or inconclusive.
     try_harder_limit : float or None
         Longest wall time of that second attempt, s; a number implies `try_harder`. None takes 900 s. A longer attempt is not begun.
 
@@ -295,6 +295,6 @@ def _results_of(what: Answer | Result) -> Results:
 
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:
-    place = folder.absolute()  # variants of its scene find their meshes there wherever the program goes
+    place = folder.absolute()  # variants of its scene find their meshes there from any current folder
     results = read_results(place, interfaces)
     return Result(place, summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)

@@ -15,18 +15,18 @@ from la_core.exchange import write_whole
 from la_core.scene import FOLDER_FORMATS, Scene
 
 RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # names that no mesh and no folder of meshes may have
-ANIMATION = "animation.gif"  # shown by `crosscheck report` with the results beside it
+ANIMATION = "animation.gif"  # `crosscheck report` shows it with the results in its folder
 REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of scenes
 LOCK = ".lock"
-FIGURE_FORMATS = (".png", ".svg", ".pdf")  # what a figure's name may end in
-MOVING_FORMATS = (".gif", ".mp4")  # the same for an animation
+FIGURE_FORMATS = (".png", ".svg", ".pdf")  # allowed endings of a figure's name
+MOVING_FORMATS = (".gif", ".mp4")  # allowed endings of an animation's name
 LONGEST_NAME = 240  # bytes: file systems allow 255, and a second attempt adds to it
 MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
 CASES = "cases"  # folder of the folders of a campaign's cases
 OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
-HEAD = ("title", "project", "author", "date")  # words of a report's head, which a command may choose
+HEAD = ("title", "project", "author", "date")  # parts of a report's head that a command may set
 SECOND_ATTEMPT = "_harder"  # ends the name of the scene of a second attempt, and so of its folder
 DEFINITION = "campaign.toml"  # copy of a campaign's file in its folder, from the start of the campaign on
 OF_CAMPAIGN = (DEFINITION, "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
@@ -54,20 +54,20 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
 
 
 def is_second_attempt(scene: Scene) -> bool:
-    """Return whether a scene is that of a second attempt (`--try-harder`): its name and its effort say so, in stored results, too.
+    """Return whether a scene is that of a second attempt (`--try-harder`), by its name and its effort; stored results have both, too.
 
-    The effort alone does not: it is a key that any scene may set.
+    The effort alone does not suffice, because any scene may set it.
     """
     return scene.effort == "high" and scene.name.endswith(SECOND_ATTEMPT)
 
 
 def name_in_results(comparison: Mapping[str, Any]) -> str:
-    """Return the name of the folder that holds a comparison and its figures: that of the scene, unless the folder was renamed."""
+    """Return the name of the folder that holds a comparison and its figures: the name of the scene, unless the folder was renamed."""
     return str(comparison.get("folder") or comparison.get("scene"))
 
 
 def folder_of_results(folder: Path | str) -> Path:
-    """Return the folder that an argument gives for results; raises SceneError where it is no path, or a file stands in its way."""
+    """Return the folder of results that an argument names; raises SceneError where it is no path, or leads through a file."""
     path = path_of("folder", folder)
     if files := [place for place in (path, *path.parents) if os.path.lexists(place) and not place.is_dir()]:
         what = "a file" if files[0].exists() else "a link that leads nowhere"
@@ -76,13 +76,13 @@ def folder_of_results(folder: Path | str) -> Path:
 
 
 def require_ending(path: Path, endings: tuple[str, ...], what: str) -> None:
-    """Raise SceneError for a file to write that ends otherwise; what: the file in a phrase, such as "a figure"."""
+    """Raise SceneError for the path of a file to write with another ending; what: the file in a phrase, such as "a figure"."""
     if path.suffix not in endings:
         raise SceneError(str(path), f"the file name of {what} must end in {', '.join(endings[:-1])} or {endings[-1]}")
 
 
 def require_folder_of(path: Path) -> None:
-    """Raise SceneError for a file to write whose folder does not exist or is a file, or in whose place a folder stands."""
+    """Raise SceneError for the path of a file to write that is itself a folder, or whose folder does not exist or is a file."""
     if path.parent.is_file():
         raise SceneError(str(path), f"{path.parent} is a file, and not a folder for another file", hint="name a file in a folder")
     if not path.parent.is_dir():
@@ -92,7 +92,7 @@ def require_folder_of(path: Path) -> None:
 
 
 def is_writable(folder: Path) -> bool:
-    """Return whether this process may write in the folder; results on a disk that is only read need no lock."""
+    """Return whether this process may write in the folder; results on a read-only disk need no lock."""
     return os.access(folder, os.W_OK)
 
 
@@ -110,7 +110,7 @@ def alone_in(folder: Path) -> Iterator[None]:
     The system releases the lock however the process ends. Folders inside have locks of their own and are not touched, because another
     process may be writing there. Raises FolderInUseError where another process holds the lock.
     """
-    lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)  # to write alone would wait for a reader of a pipe in its place
+    lock = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)  # write-only would wait for a reader if the file were a pipe
     try:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -134,7 +134,7 @@ def _take_away_unfinished(folder: Path, names: Container[str]) -> None:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a stored file; raises OSError for what is no file, because reading a pipe might never end."""
+    """Return the text of a stored file; raises OSError for a path that is no file, because reading a pipe might never end."""
     if path.exists() and not path.is_file():
         raise OSError(errno.EINVAL, "not a file", str(path))
     return path.read_text(encoding="utf-8")

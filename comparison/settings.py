@@ -1,6 +1,6 @@
 """Settings of the program from files and the environment: folder of results, time limit, number of workers, place of YADE.
 
-No setting affects results: everything mechanical stands in the scene, or on the command line.
+No setting affects results: the scene or the command line has all of the mechanics.
 """
 
 import argparse
@@ -88,7 +88,7 @@ class Configuration:
         return self.sources.get(name, "default")
 
     def place(self, name: str) -> str:
-        """Return what a user has to change for another value of a setting: the variable, or the file and the setting in it."""
+        """Return the place where a user changes a setting: the variable, or the file and the setting in it."""
         source = self.source(name)
         return source if source.startswith(PREFIX) else f"{source}: {name}"
 
@@ -96,7 +96,7 @@ class Configuration:
 def load_settings() -> Configuration:
     """Return the settings in force.
 
-    The environment goes before the current folder's file, which goes before the user's file and the defaults.
+    The first of these that has a setting decides: the environment, the current folder's file, the user's file, the defaults.
     Raises SettingError for a file or a variable with an invalid setting.
     """
     user = _file_of_the_user()
@@ -121,7 +121,7 @@ def load_settings() -> Configuration:
 
 
 def filled(options: argparse.Namespace) -> argparse.Namespace:
-    """Return the options with settings in place of those options in `configured` that the command line left open."""
+    """Return the options, with the settings for those options in `configured` that the command line does not give."""
     settings = load_settings().settings
     for name in options.configured:
         if getattr(options, name) is None:

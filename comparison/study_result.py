@@ -152,7 +152,7 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False, work
     quiet : bool
         Whether to write no progress to stderr.
     workers : int
-        Number of runs of YADE that go on side by side; their seconds are then those of a busier machine.
+        Number of runs of YADE side by side; with several of them, their seconds are measured on a busier machine.
 
     Returns
     -------

@@ -41,7 +41,7 @@ class CaseRun:
     meshes : tuple of str
         Path and SHA-256 digest of every mesh.
     warnings : tuple of str
-        What is implausible about the scene.
+        Warnings about implausible values of the scene.
     """
 
     name: str
@@ -111,7 +111,7 @@ def expand(definition: Definition) -> list[Case]:
                     of_keys = _values(whole, parameters, definition.keys)
                     cases[title, run, parameters] = Case(names.unique(name), title, run, of_keys, parameters)
             except SceneError as error:
-                told = str(error).removeprefix(f"{path}: ") if given else str(error)  # the scene's own file is right; a given value is not
+                told = str(error).removeprefix(f"{path}: ") if given else str(error)  # the fault is in a given value, not in the file
                 raise SceneError(f"{definition.path}: case {name}", told) from error
     return list(cases.values())
 
@@ -136,7 +136,7 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
 
 
 def _scene_name(path: Path, others: list[Path]) -> str:
-    """Return the name of a scene's file, after its folder where scenes of another folder have the same: two people draw one structure."""
+    """Return the name of a scene's file, after that of its folder where two folders have scenes of this name."""
     place = real_path(path)
     is_alone = all(real_path(other) == place for other in others if other.stem.casefold() == path.stem.casefold())
     return path.stem if is_alone else f"{place.parent.name}_{path.stem}"
@@ -167,7 +167,7 @@ def _classic(given: dict[str, Any]) -> ClassicParameters | None:
 
 
 def _run(folder: str, path: Path, text: str) -> CaseRun:
-    """Return a run of a scene after building and modelling the scene, which raises SceneError for an invalid one."""
+    """Build and model a scene, and return its run; raises SceneError for an invalid scene."""
     name = folder_name(path.stem)
     scene = scene_of_text(text, path, name)
     structural_model(scene)
@@ -219,7 +219,7 @@ def folder_name(text: str) -> str:
 
 
 class _Names:
-    """Register of names; each name is given once, ignoring upper and lower case, and cut after `longest` characters."""
+    """Register of names. Each name is given once, whatever its upper and lower case, and is cut after `longest` characters."""
 
     def __init__(self, longest: int | None = None) -> None:
         self._taken: set[str] = set()

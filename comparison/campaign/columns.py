@@ -98,7 +98,7 @@ COSTS = {
 def result_columns(keys: Sequence[str], numeric: Collection[str] = ()) -> dict[str, Column]:
     """Return every column of results.csv in order.
 
-    keys: varied keys of the campaign. numeric: those of them whose values are all numbers.
+    keys: varied keys of the campaign. numeric: the varied keys whose values are all numbers.
     """
     columns = dict(BEFORE_KEYS)
     for key in keys:

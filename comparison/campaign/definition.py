@@ -18,7 +18,7 @@ Values = Annotated[tuple[Any, ...], Field(min_length=1)]
 
 
 def _dotted(table: Any) -> Any:
-    """Return a table without tables in it, their keys joined by dots; anything else as it is."""
+    """Return a table with the keys of its inner tables joined by dots; any other value as it is."""
     if not isinstance(table, dict):
         return table
     flat: dict[str, Any] = {}
@@ -47,7 +47,7 @@ class Sweep(Table):
     @field_validator("vary", "together", mode="before")
     @classmethod
     def _with_dotted_keys(cls, given: Any) -> Any:
-        """Return tables of ranges with joint.friction = [...], which TOML reads as a table in a table, as "joint.friction" = [...]."""
+        """Return ranges by dotted keys: TOML reads joint.friction = [...] as a table in a table, here it is "joint.friction" = [...]."""
         return [_dotted(group) for group in given] if isinstance(given, list) else _dotted(given)
 
     @model_validator(mode="after")
@@ -57,7 +57,7 @@ class Sweep(Table):
             if len(set(counts.values())) > 1:
                 raise ValueError(f"keys that go together need equally many values, not {', '.join(f'{k}: {n}' for k, n in counts.items())}")
         for key, values in self.vary.items():
-            whole = [value for value in values if type(value) is int]  # a decimal comma leaves whole numbers
+            whole = [value for value in values if type(value) is int]  # a decimal comma splits a number into whole numbers
             if len(set(whole)) < len(whole):
                 again = next(value for number, value in enumerate(whole) if value in whole[:number])
                 comma = "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"
@@ -95,7 +95,7 @@ class CampaignFile(Table):
     @field_validator("labels", mode="before")
     @classmethod
     def _with_dotted_keys(cls, given: Any) -> Any:
-        """Return labels with the keys as `Sweep` has them."""
+        """Return labels by dotted keys, as in `Sweep`."""
         return _dotted(given)
 
 
@@ -189,7 +189,7 @@ def shipped_campaigns() -> dict[str, Path]:
 def find_campaign(path_or_name: Path) -> Path:
     """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists, or both do.
 
-    Also where the system refuses to look there, as for a name that is too long.
+    SceneError is also raised where the system cannot look up the path, such as a name that is too long.
     """
     try:
         return _found(path_or_name)

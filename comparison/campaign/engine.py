@@ -20,11 +20,11 @@ from la_core.exchange import ExchangeError
 from la_core.limit import ClassicParameters
 
 LOOKS_EVERY = 0.5  # s
-WRITES_EVERY = 10.0  # s between tables, while cases end
+WRITES_EVERY = 10.0  # s between two writings of the tables, while cases end
 
 
 class Engine(Protocol):
-    """Workers that run jobs; entered only if there are jobs.
+    """Workers that run jobs, as a context that is entered only if there are jobs.
 
     name: text for the provenance. capacity: number of jobs that can run at a time.
     """
@@ -33,7 +33,7 @@ class Engine(Protocol):
     capacity: int
 
     def __enter__(self) -> Self:
-        """Start the workers; raises an error for any cause that would fail every job."""
+        """Start the workers; raises an error for any cause that would make every job fail."""
 
     def __exit__(self, *error: object) -> None:
         """End every job at once."""
@@ -62,8 +62,8 @@ class Campaign:
     parquet : bool
         Whether the tables are also written as Parquet.
     time_limit : float or None
-        Wall time limit of each YADE run (s); None takes the scenes' own. It is no part of the inputs' digest: a case is
-        repeated anyway where it ended YADE's run, or where it now allows a slower run that a requested accuracy needs.
+        Wall time limit of each YADE run (s); None takes the scenes' own. The limit is no part of the inputs' digest: a case is
+        repeated anyway where a limit ended YADE's run, or where the limit now allows a slower run that a requested accuracy needs.
     """
 
     definition: Definition
@@ -96,7 +96,7 @@ def run_cases(
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
         ran_before = None if waiting else _engine_of_stored(campaign.folder)
-        for name in REPORTS if waiting else ():  # no report is older than the tables beside it, however this run ends
+        for name in REPORTS if waiting else ():  # a report must not be older than the tables beside it, however this run ends
             (campaign.folder / name).unlink(missing_ok=True)
         with _tables(campaign, outcomes, lambda: ran_before or engine.name, began, conclude) as write:
             if waiting:
@@ -154,7 +154,7 @@ def _tables(
     began: float,
     conclude: Callable[[table.CampaignTable], object],
 ) -> Iterator[Callable[[], None]]:
-    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end, then concluded.
+    """Yield a function that writes the tables at most every WRITES_EVERY seconds; write them at the end anyway, and call `conclude`.
 
     engine: returns the name of the workers, which may change while they run.
     """
@@ -184,7 +184,7 @@ def _engine_of_stored(folder: Path) -> str | None:
 def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, began: float) -> table.CampaignTable:
     """Return the table of the cases that ended, in the campaign's order.
 
-    outcomes: by the name of the run. engine: its name. began: start of the run on the monotonic clock (s).
+    outcomes: by the name of the run. engine: name of the workers. began: start of the campaign on the monotonic clock (s).
     """
     blank = dict.fromkeys(result_columns(campaign.definition.keys))
     ended = [(case, outcome) for case in campaign.cases if (outcome := outcomes.get(case.run.name)) is not None]

@@ -29,7 +29,7 @@ from la_core.scene import Scene
 HERE = Path(__file__).parent
 OWN_CODE = tuple(HERE / name for name in ("columns.py", "job.py", "mechanism_labels.py"))  # the other modules only gather and draw
 CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # code that an outcome depends on
-PATIENCE = 600.0  # s to wait for a case's folder, which a worker of an earlier, interrupted call may still hold
+PATIENCE = 600.0  # s to wait for a case's folder, which a worker of an earlier, interrupted call may still lock
 LOOKS_EVERY = 0.2  # s
 END_OF_PAGE = b"</html>\n"
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
@@ -94,7 +94,7 @@ def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: 
 def stored_outcome(folder: Path, scene_name: str, inputs: str, time_limit: float | None = None) -> JobOutcome | None:
     """Return the stored outcome of a job; None if its inputs changed, its files are missing or damaged, or it has to be repeated.
 
-    So it has where a time limit ended YADE's run, and where `time_limit` allows a slower run that a requested accuracy needs.
+    It has to be repeated where a time limit ended YADE's run, and where `time_limit` allows a slower run that a requested accuracy needs.
     """
     try:
         stored = json.loads(read_text(folder / OUTCOME))
@@ -109,13 +109,13 @@ def stored_outcome(folder: Path, scene_name: str, inputs: str, time_limit: float
 
 
 def _are_whole(folder: Path, results: Path, with_run: bool) -> bool:
-    """Whether a job's page and results are there and whole: else its links and `crosscheck report` or `animate` of its folder fail."""
+    """Return whether a job's page and results exist undamaged; else links to it and `crosscheck report` or `animate` would fail."""
     sealed = [results / name for name in (("case.h5", "run.h5") if with_run else ("case.h5",))]
     if not all(inputs_digest(path) for path in sealed) or not (results / "scene.toml").is_file():
         return False
     try:
         json.loads(read_text(results / "comparison.json"))
-        with (folder / "report.html").open("rb") as page:  # its end alone: a page has a megabyte
+        with (folder / "report.html").open("rb") as page:  # only its end is read, because a page has a megabyte
             page.seek(-len(END_OF_PAGE), 2)
             return page.read() == END_OF_PAGE
     except (OSError, ValueError, RecursionError):
@@ -126,7 +126,7 @@ def run_job(job: Job, listener: Listener) -> JobOutcome:
     """Run a job, store its outcome in the job's folder and return it; any error gives a failed outcome with its reason."""
     began = time.monotonic()
     try:
-        if {LOADED, code()} != {job.code}:  # stages are stored under the digest of the disk's code, so it must be the loaded one
+        if {LOADED, code()} != {job.code}:  # stages are stored under the digest of the code on the disk, which must be the loaded code
             return failure(OTHER_CODE, job)
         job.folder.mkdir(parents=True, exist_ok=True)
         with _alone_after_waiting(job.folder):

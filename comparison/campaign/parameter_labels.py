@@ -40,7 +40,7 @@ NAMES = {
     "block": "block size (m)",
     "size": "size (m)",
 }
-UNITS = {  # by unit: keys whose own names are clear, with as much of their path as makes them unique
+UNITS = {  # by unit: keys whose own names are clear, with the part of their path that makes them unique
     "m": "from to centre point vertices profile y shift bearing",
     "m or rad": "path.settlement",
     "m per unit": "scale",
@@ -57,7 +57,7 @@ UNITS = {  # by unit: keys whose own names are clear, with as much of their path
 }
 UNIT_OF = {key: unit for unit, keys in UNITS.items() for key in keys.split()}
 UNIT_OF |= {f"yade.{name}": unit for name, unit in SETTING_UNITS.items()}
-COMPONENTS = {  # of arrays, by the ends of their keys' paths
+COMPONENTS = {  # names of an array's entries, by the end of the key's path
     "": ("x", "y", "z"),
     "profile": ("x", "z"),
     "opening.from": ("along the wall", "z"),
@@ -113,7 +113,7 @@ def _ends(path: list[str]) -> list[str]:
 
 
 def _component(ends: list[str], indices: list[int]) -> str:
-    """Return the entry of an array that a parameter is, in words; "" for a whole value."""
+    """Return the name of a parameter that is an entry of an array; "" for a whole value."""
     if not indices:
         return ""
     *points, index = indices

@@ -20,7 +20,7 @@ class SweepRows:
     scene : str
         Name of the sweep.
     values : dict
-        Occurring values of each varied parameter; numbers rise.
+        Values of each varied parameter that occur; numbers in rising order.
     rows : list of Row
         The cases.
     held : dict
@@ -46,7 +46,7 @@ class SweepRows:
         return list(self.values)
 
     def where(self, place: dict[str, Any]) -> list[Row]:
-        """Return the rows with these values of parameters."""
+        """Return the rows in which the parameters of `place` have its values."""
         return [row for row in self.rows if all(key(row.get(name)) == key(value) for name, value in place.items())]
 
 
@@ -87,7 +87,7 @@ def is_number(value: Any) -> bool:
 def sweeps_of(table: CampaignTable, classic: bool = False) -> list[SweepRows]:
     """Return the sweeps in order of their first case.
 
-    classic: keep cases apart that differ only in the classic iteration; otherwise the first of them stands for all.
+    classic: whether to keep all cases that differ only in the classic iteration; otherwise only the first of them is kept.
     """
     names = [name for name in table.axes if classic or not name.startswith(CLASSIC)]
     groups: dict[tuple[str, tuple[str, ...]], dict[tuple[str, ...], list[Row]]] = {}

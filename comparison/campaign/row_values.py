@@ -42,7 +42,7 @@ def over_weight(row: Row, name: str) -> float | None:
 def bounds(row: Row) -> tuple[float, float]:
     """Return least and greatest reaction of associated limit analysis over the weight, or bounds of the multiplier.
 
-    Infinite without a bound, NaN without an answer.
+    A value is infinite without a bound, and both are NaN without an answer.
     """
     least, greatest = over_weight(row, "least"), over_weight(row, "greatest")
     is_live, is_unlimited = not row.get("unit"), row.get("associated_status") == Status.UNBOUNDED.value
@@ -64,7 +64,7 @@ def interval(row: Row) -> tuple[float, float]:
 
 
 def value_cells(row: Row) -> list[str]:
-    """Return least, Coulomb, greatest and YADE's value of the row as texts, over the weight; the bound of a multiplier is its greatest."""
+    """Return least, Coulomb, greatest and YADE's value of the row as texts, over the weight; a multiplier has its bound as the greatest."""
     least, greatest = bounds(row)
     return [format_number(value, 5) for value in (least, over_weight(row, "coulomb"), greatest, over_weight(row, "yade"))]
 
@@ -82,7 +82,7 @@ def prediction(row: Row) -> str:
 def compared_with(row: Row) -> str:
     """Return the column that YADE's reaction is compared with: the prediction.
 
-    Where the methods agree on the value after turning blocks have released a thrust, it is this value.
+    Where the methods agree on the value after turning blocks have released a thrust, it is the column of that value.
     """
     first = prediction(row)
     released = _deviation(row, "coulomb_released")
@@ -108,7 +108,7 @@ def uncertainty_of(column: str) -> str:
 def least_tolerance(row: Row) -> float:
     """Return the difference that is always allowed, N or N m, of a multiplier without unit.
 
-    Tables of earlier versions do not have it: 1e-4 of the weight then stands for it, without the lever arm of a moment.
+    Tables of earlier versions do not have this column. The result is then 1e-4 of the weight, without the lever arm of a moment.
     """
     known = row.get("least_tolerance")
     if exists(known):
@@ -119,7 +119,7 @@ def least_tolerance(row: Row) -> float:
 def deviation(row: Row) -> float | None:
     """Return the size of the difference over its tolerance; None where undefined.
 
-    Tolerance: 0.5 % of YADE's reaction, at least `least_tolerance`, plus the uncertainties that both state.
+    Tolerance: 0.5 % of YADE's reaction, at least `least_tolerance`, plus the uncertainties that both methods state.
     """
     return _deviation(row, compared_with(row))
 
@@ -150,7 +150,7 @@ def failed(row: Row) -> bool:
 
 
 def verdict_counts(rows: Iterable[Row]) -> str:
-    """Return how many cases have each verdict, and how many failed, as words; "" without cases."""
+    """Return the numbers of cases with each verdict, and of failed cases, as words; "" without cases."""
     counts = Counter(FAILED if failed(row) else VERDICTS[row["verdict"] or None][1] for row in rows)
     return ", ".join(f"{count} {word}" for word, count in counts.items())
 

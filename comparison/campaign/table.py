@@ -25,8 +25,8 @@ from la_core import exchange
 from la_core.exchange import ASK_OWNER, ExchangeError, write_whole
 
 STORED = "campaign.json"
-EARLIER = {"expected value met": "expected"}  # verdicts by the words of tables that an earlier program stored
-FORMULA = frozenset("=+-@\t")  # what begins a formula in a spreadsheet; an apostrophe before it makes it a text there
+EARLIER = {"expected value met": "expected"}  # verdicts of today, by their words in tables of an earlier program
+FORMULA = frozenset("=+-@\t")  # first characters of a spreadsheet's formulas; an apostrophe before them makes a text
 WORDS = ("title", "axes", "labels", "rows", "costs", "provenance")
 
 
@@ -73,7 +73,7 @@ class CampaignTable:
 
     @property
     def unfinished(self) -> str:
-        """How many cases of an interrupted campaign have ended, as a sentence; "" where all have."""
+        """Sentence on the number of ended cases of an interrupted campaign; "" where all cases have ended."""
         ended, cases = len(self.rows), self.provenance.get("cases") or 0
         have = "has" if ended == 1 else "have"
         return f"{ended} of {plural(cases, 'case')} {have} ended; run the campaign again to go on." if ended < cases else ""
@@ -105,7 +105,7 @@ def read_table(folder: Path) -> CampaignTable:
 def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
     """Write all forms of the table into its folder; each file is replaced as a whole.
 
-    parquet: also write Parquet files. Those that are there are kept up to date in any case, or deleted where pyarrow is missing.
+    parquet: whether to write Parquet files. Existing ones are updated in any case, or deleted where pyarrow is missing.
     """
     write_tables(table, parquet)
     stored = {word: getattr(table, word) for word in WORDS}
@@ -114,7 +114,7 @@ def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
 
 
 def write_tables(table: CampaignTable, parquet: bool = False) -> None:
-    """Write the forms of the table for other programs, all but campaign.json, from which `crosscheck report` writes them again."""
+    """Write the table for other programs: all files but campaign.json, from which `crosscheck report` writes them again."""
     numeric = [key for key, values in table.axes.items() if all(type(value) in (int, float) for value in values)]
     columns = {"results": result_columns(list(table.axes), numeric), "costs": COSTS}
     rows = {"results": table.rows, "costs": table.costs}
@@ -143,7 +143,7 @@ def _csv(columns: list[str], rows: list[dict[str, Any]]) -> str:
 
 
 def _cell(value: Any) -> str:
-    """Return a value as text: a number with all digits, an array as JSON, "" for None; a spreadsheet runs no text as a formula."""
+    """Return a value as text that no spreadsheet runs as a formula: a number with all digits, an array as JSON, "" for None."""
     if value is None or isinstance(value, str):
         return f"'{value}" if value and value[0] in FORMULA else value or ""
     return json.dumps(value)

@@ -15,7 +15,7 @@ from comparison.figures import own_style, save
 
 FOLDER = "figures"
 KINDS = ("prediction", "reaction", "map", "participation", "classic", "costs")
-OWN = re.compile(rf"(?:{'|'.join(KINDS)})-[1-9]\d*\.png(?:\.\d+\.part)?")  # files that this program writes there, finished or interrupted
+OWN = re.compile(rf"(?:{'|'.join(KINDS)})-[1-9]\d*\.png(?:\.\d+\.part)?")  # finished or unfinished files of this program in FOLDER
 PREDICTION = (
     "Left: YADE's value against limit analysis' prediction, equal on the dashed line. Right: their difference, linear up to 1 % and "
     "logarithmic beyond; cases with a prediction near zero are left out there."
@@ -102,7 +102,7 @@ def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
 
 
 def _once(table: CampaignTable, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the rows without those that differ from another one only in the classic iteration."""
+    """Return the rows with only the first of the cases that differ only in the classic iteration."""
     if not any(name.startswith(CLASSIC) for name in table.axes):
         return rows
     kept = {id(row) for sweep in sweeps_of(table) for row in sweep.rows}

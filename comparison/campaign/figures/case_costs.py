@@ -15,8 +15,8 @@ from comparison.numbers import format_number
 from la_core.text_table import exists
 
 SECONDS = {"limit_analysis_seconds": ("limit analysis", LIMIT_ANALYSIS, "o"), "yade_seconds": ("YADE", YADE, "s")}
-SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks at the ticks
-FEW = 12  # cases; up to here their names stand under the axis
+SIZES = (1, 2, 3, 4, 5, 6, 8)  # numbers of blocks at the ticks of every decade
+FEW = 12  # cases; the names of at most this number stand under the axis
 
 
 def case_cost_figure(table: CampaignTable) -> Figure | None:
@@ -40,7 +40,7 @@ def case_cost_figure(table: CampaignTable) -> Figure | None:
 
 
 def _finish(left: Any, right: Any, names: list[str], numbers: list[Any]) -> None:
-    """Set scales, ticks and labels. names: of the cases; numbers: of their free blocks, rising."""
+    """Set scales, ticks and labels. names: names of the cases; numbers: rising numbers of free blocks."""
     left.set_xscale("log")
     for axes in (left, right):
         axes.set_yscale("log")
@@ -63,7 +63,7 @@ def _finish(left: Any, right: Any, names: list[str], numbers: list[Any]) -> None
 
 
 def _between_decades(low: float, high: float) -> Any:
-    """Texts of the ticks between powers of ten, on an axis of seconds that would otherwise have fewer than two texts."""
+    """Return the formatter of the ticks between powers of ten, which writes texts where the axis would have fewer than two without."""
     if high < 20.0 * low:
         return FuncFormatter(lambda value, _: f"{value:g}")
     if np.floor(np.log10(high)) > np.ceil(np.log10(low)):

@@ -15,7 +15,7 @@ from comparison.campaign.row_values import Row, over_weight
 from comparison.figures import INK, LIMIT_ANALYSIS
 from la_core.text_table import exists
 
-SCENES = 3  # in a figure, a row each
+SCENES = 3  # in a figure, one row for each
 HEIGHT = 3.3  # inches
 CONVERGED = "solved"
 
@@ -92,7 +92,7 @@ def _mark_lost(axes: Any, line: Line, scale: Scale) -> None:
 
 
 def _handles(names: list[str], rows: list[Row]) -> list[Line2D]:
-    """Keys of the series, and of the signs that their cases have."""
+    """Return the legend entries of the series, and of the marks that their cases have."""
     count, is_lost = len(names), [not exists(row.get("classic")) for row in rows if row.get("classic_status")]
     is_open = [exists(row.get("classic")) and row.get("classic_status") != CONVERGED for row in rows]
     hollow: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "color": "white"}

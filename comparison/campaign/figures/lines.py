@@ -23,7 +23,7 @@ from la_core.text_table import exists
 PANELS = 9  # in a figure; further panels go to further figures
 MOST_PANELS = 18  # over one parameter; a larger number is thinned out evenly
 HEIGHT = 3.1  # inches, of a row of panels
-TITLE_WIDTH = 55  # signs
+TITLE_WIDTH = 55  # characters
 DODGE = 3.0  # pt between the intervals of two lines
 
 
@@ -69,7 +69,7 @@ def _has_participation(row: Row) -> bool:
 def _groups(sweeps: Sequence[SweepRows], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[SweepRows], str]]:
     """Yield the panels of each figure: parameter, sweeps with the same parameters, and a sentence on omitted panels.
 
-    The longest other parameter gives the lines; further ones are fixed, with one panel for each combination of their values.
+    The other parameter with most values gives the lines. Further parameters are fixed, with one panel for each combination of values.
     has: whether a case has a value to draw; a panel needs at least one such case.
     """
     kinds = dict.fromkeys(tuple(sweep.parameters) for sweep in sweeps)
@@ -134,7 +134,7 @@ def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, i
         limit, yade = (_measure(line.rows, method, "participation") for method in (LIMIT, "yade"))
         _draw_methods(axes, scale, place, limit, yade, k, count)
         drawn += [*limit, *yade]
-    greatest = np.nanmax(drawn) if np.isfinite(drawn).any() else 1.0  # of a share, which begins at 0
+    greatest = np.nanmax(drawn) if np.isfinite(drawn).any() else 1.0  # the index is a share, so the axis begins at 0
     axes.set_ylim(-0.03 * greatest, 1.1 * greatest)
 
 
@@ -170,7 +170,7 @@ def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
 
 
 def _switches(rows: list[Row]) -> list[tuple[Row, Row]]:
-    """Neighbouring cases between which limit analysis' mechanism changes."""
+    """Return the pairs of neighbouring cases between which limit analysis' mechanism changes."""
     names = [mechanism_name(row, LIMIT) for row in rows]
     return [pair for pair, (one, other) in zip(pairwise(rows), pairwise(names), strict=True) if None not in (one, other) and one != other]
 
@@ -186,7 +186,7 @@ def _measure(rows: list[Row], method: str, name: str) -> np.ndarray:
 
 
 def _method_handles(shown: list[Line], bands: bool, reactions: bool) -> list[Any]:
-    """Keys of what the lines of all panels show."""
+    """Return the legend entries of the lines, bands and marks of all panels."""
     rows = [row for line in shown for row in line.rows]
     words = "limit analysis" if not reactions else "limit analysis' prediction"
     handles: list[Any] = [Line2D([], [], color=LIMIT_ANALYSIS, marker="o", markersize=3.5, label=words)]

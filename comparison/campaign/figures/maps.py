@@ -57,7 +57,7 @@ class MapGrid:
 
 
 def map_figures(sweeps: list[SweepRows]) -> Iterator[tuple[Figure, str]]:
-    """Yield strips over one parameter, scenes together, then maps over two; each figure with its parameters in words."""
+    """Yield strips over one parameter, with several scenes, then maps over two parameters; each figure with its parameters in words."""
     lettered = letters(sweeps)
     for parameter in dict.fromkeys(sweep.parameters[0] for sweep in sweeps if len(sweep.parameters) == 1):
         along = [sweep for sweep in sweeps if sweep.parameters == [parameter] and _known(sweep.rows) and len(sweep.rows) > 1]
@@ -102,7 +102,7 @@ def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str
 
 
 def _maps(sweep: SweepRows) -> Iterator[MapGrid]:
-    """Yield a map for each combination of the parameters other than the two longest."""
+    """Yield a map over the two parameters with most values, for each combination of the other parameters' values."""
     across, down = longest(sweep)[:2]
     methods = _methods(sweep.rows)
     columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
@@ -205,7 +205,7 @@ def _differ(row: Row | None) -> bool:
 
 
 def _handles(panels: list[tuple[MapGrid, list[str]]]) -> list[Any]:
-    """Keys of what the panels show; a panel is a map, and the method of each of its rows."""
+    """Return the legend entries of the panels; a panel is a map with the method of each of its rows."""
     cells = [(row, method) for grid, methods in panels for line, method in zip(grid.rows, methods, strict=True) for row in line]
     without = [(row, method) for row, method in cells if row is not None and _name(row, method) is None]
     signs = {_sign(row, method, {}) for row, method in without}

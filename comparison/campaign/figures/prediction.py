@@ -19,7 +19,7 @@ from comparison.numbers import percent
 from la_core.limit import Drive
 from la_core.text_table import exists
 
-BOUNDED = 60  # cases; bounds of more would cover each other
+BOUNDED = 60  # cases; the bounds of more cases would cover each other
 FAINTLY = 1e-3  # of the largest reaction: below this a relative difference is meaningless
 FAR = 0.5  # of the largest value: axes of a smaller spread do not include zero
 MANY = 100  # cases; from here on marks are small
@@ -59,7 +59,7 @@ def _value(row: Row, name: str) -> float:
 
 
 def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
-    """Marker by scene, face by verdict."""
+    """Return the style of a case's mark: its shape by the scene, its face by the verdict."""
     marker = MARKERS[min(scenes.index(sweep_of(row)), len(MARKERS) - 1)]
     face = VERDICT_FACE.get(str(row.get("verdict")), FAINT)
     return {

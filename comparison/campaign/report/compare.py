@@ -1,4 +1,4 @@
-"""Comparison of two campaigns, before and after a change of code, settings or versions; changes within uncertainty stand apart."""
+"""Comparison of two campaigns, before and after a change of code, settings or versions; changes within uncertainty are listed apart."""
 
 import json
 import math
@@ -17,9 +17,9 @@ from comparison.verdict import ANSWERS
 from la_core.exchange import LEAST_REACTION
 from la_core.text_table import exists
 
-SOLVER = 1e-6  # of the weight, of a moment times its lever arm, of a multiplier absolute: residual of the cone solver, and round-off
-UNSTATED = 1e-3  # of a prediction that states no uncertainty, by an older version: its error
-CONVERGED = 1e-3  # of the classic iteration's value
+SOLVER = 1e-6  # residual of the cone solver and round-off: over the weight, for a moment times a lever arm; absolute for a multiplier
+UNSTATED = 1e-3  # relative error of a prediction by an older version, which states no uncertainty
+CONVERGED = 1e-3  # relative error of the classic iteration's value
 STATUSES = ("associated_status", "coulomb_status", "yade_status", "classic_status")
 COUNTS = ("free_blocks", "coulomb_plateaus")
 OF_PREDICTION = ("coulomb", "coulomb_sharp", "coulomb_low", "coulomb_high")  # all with the uncertainty of the first
@@ -121,7 +121,7 @@ class Comparison:
     case_costs : list of tuple
         Case, method, and seconds after / before; the largest change first.
     unfinished : tuple of str
-        How many cases of each campaign have ended, where it was interrupted; else "".
+        Sentence on the number of ended cases of each campaign that was interrupted; else "".
     """
 
     titles: tuple[str, str]
@@ -177,11 +177,11 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
 
 
 def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
-    """Return the second campaign with the names that the first one gives to cases of the same values, and "(after)" at other such names.
+    """Return the second campaign with the first one's names for cases of equal values; other cases with such a name get "(after)".
 
-    A case is named by the place of an array in its range, so the same name may stand for other values. Values that are tables are
-    compared by this name, because another version may know more keys of a table. Sweeps are compared by their safe names, the only ones
-    in older tables.
+    A case is named by the place of an array in its range, so cases of the same name may have other values. Values that are tables are
+    compared by this name, because another version may know more keys of a table. Sweeps are compared by their safe names, because older
+    tables have no others.
     """
     if before.axes.keys() != after.axes.keys():
         return after
@@ -221,7 +221,7 @@ def _text_changes(before: Row, after: Row) -> Iterator[Change]:
 def _values(before: Row, after: Row) -> Iterator[Change]:
     """Yield all differing reactions and weights, each with the difference that is allowed between two correct answers.
 
-    A table of an earlier version may lack a column, which is then no change.
+    A column that a table of an earlier version lacks is no change.
     """
     units = {"weight": "N"} | dict.fromkeys(REACTIONS, str(before.get("unit") or ""))
     for name, unit in units.items():
@@ -234,7 +234,7 @@ def _values(before: Row, after: Row) -> Iterator[Change]:
 def _allowed(name: str, row: Row) -> float:
     """Return the error that a value may have: the uncertainty that its method states, and the error of the solver.
 
-    A prediction that states none may move within the interval that the history of friction leaves open, at most by the
+    A prediction without a stated uncertainty may move within the interval that the history of friction leaves open, at most by the
     uncertainty that a verdict allows.
     """
     value, weight = (_or_zero(row.get(key)) for key in (name, "weight"))

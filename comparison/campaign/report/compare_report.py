@@ -110,7 +110,7 @@ def sentence(comparison: Comparison) -> str:
 
 
 def _changes_of_both(comparison: Comparison) -> list[Change]:
-    """Return the changes, without YADE's and those of the verdicts, which rest on YADE, where YADE ran in one campaign only."""
+    """Return the changes; where YADE ran in one campaign only, without those of YADE's results and of verdicts, which rest on YADE."""
     rests = [change.kind == "verdict" or change.what.startswith("yade") for change in comparison.changes]
     return [change for change, on_yade in zip(comparison.changes, rests, strict=True) if not (comparison.yade_in_one and on_yade)]
 

@@ -30,7 +30,7 @@ from comparison.report import image_address
 from comparison.verdict import ANSWERS, UNCONFIRMED, VERDICTS
 from la_core.text_table import exists
 
-MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
+MOST_PICTURES = 12  # of mechanisms on a page, which embeds them
 PREDICTED_BY = {"coulomb": "Coulomb", "coulomb_released": "Coulomb, after a release", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
 Words = dict[str, Any]
@@ -54,7 +54,7 @@ def compared(table: CampaignTable) -> list[Words]:
 
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = compared_with(row), difference(row)
-    comparable = abs(row.get(predicted) or 0.0) > least_tolerance(row)  # a share of nothing is no number
+    comparable = abs(row.get(predicted) or 0.0) > least_tolerance(row)  # a share of zero is undefined
     sign, word = verdict_symbol(row)
     plateaus = row.get("coulomb_plateaus")
     return _named(table, row, varying) | {
@@ -70,7 +70,7 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
         "share": share_of(apart, row[predicted], 3) if comparable else DASH,
         "deviation": small_number(deviation(row), 1.0),
         "reason": row.get("reason") or "",
-        "is_said": row.get("verdict") in UNCONFIRMED,  # by the verdict's own words
+        "is_said": row.get("verdict") in UNCONFIRMED,  # the words of the verdict give the reason already
     }
 
 
@@ -103,7 +103,7 @@ def failures(table: CampaignTable) -> list[Words]:
 def changed(table: CampaignTable, changes: list[MechanismChange], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
     """Yield changes of mechanism; `between` holds the two values, each with the address of its case's report.
 
-    changes: to show. lettered: letters of mechanisms, by scene and label.
+    changes: changes to show. lettered: letters of mechanisms, by scene and label.
     """
     links = {str(row.get("case")): link(table.folder, row) for row in table.rows}
     for change in changes:
@@ -122,7 +122,7 @@ def changed(table: CampaignTable, changes: list[MechanismChange], lettered: Mapp
 
 
 def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
-    """Yield every mechanism: letter, label, number of cases for each method, and the range of the moving share of mass in them."""
+    """Yield every mechanism: letter, label, number of cases for each method, and the range of the moving mass share in these cases."""
     for scene, letter_of in lettered.items():
         rows = [row for row in table.rows if sweep_of(row) == scene]
         for label, letter in letter_of.items():
@@ -138,7 +138,7 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
 def mechanism_pictures(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
     """Yield a picture of every mechanism, from the first case that has it by limit analysis, else by YADE; at most MOST_PICTURES.
 
-    The figure of a case shows the prediction's mechanism. That of the associated answer is drawn only where there is no prediction.
+    The figure of a case shows the prediction's mechanism. The associated mechanism is drawn only where there is no prediction.
     """
     varying, pictures = _varying(table), 0
     for scene, letter_of in lettered.items():

@@ -13,7 +13,7 @@ from comparison.verdict import VERDICTS
 from la_core.text_table import exists
 
 FAILURE = ("!", "failed")
-MOST_COLUMNS = 24  # that fit side by side; a parameter with more values goes downwards
+MOST_COLUMNS = 24  # fit side by side; a parameter with more values goes downwards
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def cell(folder: Path, row: Row) -> MatrixCell:
 
 
 def _scenes(table: CampaignTable, parameter: str, sweeps: list[SweepRows]) -> Panel:
-    """Return a panel with one row per scene and one column per value of the parameter; one column for "", no parameter."""
+    """Return a panel with one row per scene and one column per value of the parameter; without a parameter, "", one column."""
     folder = table.folder
     if not parameter:
         rows = [(sweep.scene, [[cell(folder, row) for row in sweep.rows]]) for sweep in sweeps]
@@ -102,7 +102,7 @@ def _scenes(table: CampaignTable, parameter: str, sweeps: list[SweepRows]) -> Pa
 
 
 def _of_two(folder: Path, sweep: SweepRows) -> Iterator[Panel]:
-    """Yield a panel for each combination of the other parameters: the longest parameter to the right if it fits, the second downwards."""
+    """Yield a panel for each combination of other parameters: the parameter with most values to the right if it fits, another downwards."""
     across, down = longest(sweep)[:2]
     if len(sweep.values[across]) > MOST_COLUMNS:
         across, down = down, across

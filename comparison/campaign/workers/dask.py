@@ -53,8 +53,8 @@ class Dask:
             raise SceneError("--scheduler", "must be an address with a port, such as tcp://host:8786", value=self._address)
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # this class reports the errors itself
-        if threading.current_thread() is threading.main_thread():  # Python permits it nowhere else
-            self._on_broken_pipe = signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # it would end this process where a scheduler goes away
+        if threading.current_thread() is threading.main_thread():  # Python sets handlers of signals in no other thread
+            self._on_broken_pipe = signal.signal(signal.SIGPIPE, signal.SIG_IGN)  # it would end this process when the scheduler goes away
         try:
             try:
                 self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
@@ -134,12 +134,12 @@ class Dask:
 
 
 def _reason(error: BaseException) -> str:
-    """Return why a job has no outcome."""
+    """Return the reason why a job has no outcome."""
     return f"its workers were lost repeatedly ({error})" if type(error).__name__ == "KilledWorker" else message_of(error)
 
 
 def _look(folder: Path) -> dict[str, Any]:
-    """Return the token, the code's digest and the number of threads that a worker has."""
+    """Return the token that a worker sees in the folder, the digest of its code, and its setting of threads."""
     return {"token": _token_in(folder), "code": LOADED, "threads": os.environ.get("OMP_NUM_THREADS")}
 
 
