@@ -13,7 +13,7 @@ PAGE_FORMATS = (".html", ".md", ".json")
 
 
 def given_path(text: str) -> Path:
-    """Parse the path of a file or folder: any text but an empty one, which would stand for the current folder."""
+    """Parse the path of a file or folder: any text but an empty one, which would mean the current folder."""
     if not text:
         raise argparse.ArgumentTypeError('"": must be the path of a file or folder; an unset variable of the shell gives an empty text')
     return Path(text)
@@ -38,7 +38,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
             *others, last = endings
             choices = f"{', '.join(others)} or {last}" if others else last
             raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
-        require_folder_of(path)  # told before the work of the command, which would be lost
+        require_folder_of(path)  # refused before the work of the command, which would be lost
         return path
 
     return path_of

@@ -1,6 +1,6 @@
 """Entry of the command line: parse the arguments, load the verb's module, run it.
 
-Results go to stdout, narration to stderr. No mechanics here.
+Results go to stdout, narration to stderr. This module has no mechanics.
 """
 
 import argparse
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _execute(options: argparse.Namespace | None) -> int:
-    if options is None:  # nothing was asked for but help
+    if options is None:  # only help was requested
         return AGREE
     context = Context.of(filled(options))
     execute: Callable[[Context], int] = importlib.import_module(COMMANDS[options.verb]).execute

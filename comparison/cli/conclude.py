@@ -25,7 +25,7 @@ def conclude(
 ) -> int:
     """Write the report of each folder, print verdict tables or one JSON object, and return the most severe exit code.
 
-    A report that cannot be written gets an error message: all results are stored by then, and the others do not need it.
+    A report that cannot be written gets an error message, and the others are still written: all results are stored by then.
 
     reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
     scenes whose results cannot be read. keep_head: whether a report keeps the words that an earlier command chose for its head.
@@ -47,7 +47,7 @@ def conclude(
                 written.append(write_pdf(written[0]))
         except (OSError, PrinterMissingError) as error:
             failure = error
-        finally:  # also where somebody interrupts it
+        finally:  # also after an interruption
             if not as_json:
                 _print_verdicts(comparisons, again, context)
         if not as_json:
@@ -65,14 +65,14 @@ def conclude(
 
 
 def _tell_of_others(folder: Path, covered: set[str], context: Context) -> None:
-    """Say how many scenes of earlier runs in a folder its report does not have, and how to have them all."""
+    """Print the number of scenes of earlier runs that a folder's report lacks, and the command for a report of all scenes."""
     if others := {path.parent.name for path in folder.glob("*/comparison.json")} - covered:
         missing = f"{plural(len(others), 'other scene')} in {folder} {'is' if len(others) == 1 else 'are'} not in this report"
         context.narrate(f"{missing}: `crosscheck report {shlex.quote(str(folder))}` makes one of all")
 
 
 def _print_verdicts(comparisons: list[dict[str, Any]], again: set[str], context: Context) -> None:
-    """Print the tables of one report, and what is said of its scenes. again: names of scenes that a second attempt follows."""
+    """Print the tables of one report, and the sentences about its scenes. again: names of scenes that a second attempt follows."""
     for comparison in comparisons:
         if comparison["verdict"] == Verdict.CANNOT_STAND:
             context.tell(f"{name_in_results(comparison)} cannot stand. {comparison['reason']}")
@@ -87,7 +87,7 @@ def _print_verdicts(comparisons: list[dict[str, Any]], again: set[str], context:
 
 
 def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context) -> dict[str, str]:
-    """Return the words that a report keeps in its head; a warning names those that it loses, because it has scenes beyond theirs."""
+    """Return the words that a report keeps in its head; a warning names the words that it loses because it has further scenes."""
     words, beyond = chosen_head(folder, comparisons)
     lost = ", ".join(f'{name} "{text}"' for name, text in words.items() if text and getattr(context.options, name) is None)
     if lost and beyond:
@@ -98,9 +98,9 @@ def _kept_head(folder: Path, comparisons: list[dict[str, Any]], context: Context
 
 
 def lines_below(comparison: dict[str, Any], is_tried_again: bool = False) -> Iterator[str]:
-    """Yield what the terminal says under the table of verdicts: notes, the reason or the remarks, then what to do next.
+    """Yield the lines under the terminal's table of verdicts: notes, the reason or the remarks, then the next step.
 
-    is_tried_again: whether a second attempt has already done what comes next.
+    is_tried_again: whether a second attempt has already taken the next step.
     """
     if words := angle_words(comparison):
         yield words

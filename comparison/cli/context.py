@@ -44,16 +44,16 @@ class Context:
         return cls(options, StderrConsole(options.quiet), _results_console())
 
     def warn(self, scene: Scene) -> None:
-        """Print what is implausible about a scene on stderr, one paragraph each, also with `--quiet`."""
+        """Print the warnings about a scene on stderr, one paragraph each, also with `--quiet`."""
         for warning in scene.warnings:
             self.warn_of(scene.name, warning)
 
     def warn_of(self, what: str, warning: str) -> None:
-        """Print one warning on stderr, with what it is about, also with `--quiet`."""
+        """Print one warning on stderr, also with `--quiet`; `what` names its subject."""
         say(StderrConsole(), visible(f"warning: {what}: {warning}"))
 
     def table(self, table: Table, can_go: Sequence[str] = ()) -> None:
-        """Print a table on stdout; `can_go`: columns that a narrow one leaves out without `--long`, the first to go first."""
+        """Print a table on stdout; `can_go`: columns that a narrow table leaves out without `--long`, in this order."""
         show_table(self.out, table, can_go, getattr(self.options, "long", False))
 
     def tell(self, text: str) -> None:
@@ -65,7 +65,7 @@ class Context:
         say(self.narrator, text)
 
     def show_report(self, page: Path) -> None:
-        """Print where a report lies, and say of a PDF beside it that it is of an earlier one."""
+        """Print the path of a report, and a note where the PDF beside it is of an earlier report."""
         self.out.print(f"report: {os.path.relpath(page)}", markup=False)
         printed = page.with_suffix(".pdf")
         if printed.exists() and printed.stat().st_mtime < page.stat().st_mtime:
@@ -78,7 +78,7 @@ class Context:
 
 
 def _results_console() -> Console:
-    """Return a console as wide as COLUMNS says, else as the terminal, else PIPE_WIDTH; only tables are fitted to it."""
+    """Return a console with the width in COLUMNS, else of the terminal, else PIPE_WIDTH; only tables are fitted to this width."""
     asked = columns_asked()
     console = Console(highlight=False, emoji=False, soft_wrap=True, width=asked)
     if asked is None and not console.is_terminal:

@@ -1,4 +1,4 @@
-"""Exit codes of the contract; a command that fails ends with one message on stderr."""
+"""Exit codes of all commands; a command that fails ends with one message on stderr."""
 
 import errno
 import io
@@ -51,7 +51,7 @@ def complain_of(error: BaseException) -> int:
 
 
 def _code(error: BaseException) -> int:
-    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:  # no disk has such a name: it was given wrongly
+    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:  # no disk takes so long a name, so the argument is wrong
         return USAGE
     codes = {CannotStandError: CANNOT_STAND, SceneError: USAGE, KeyboardInterrupt: INTERRUPTED}
     return next((code for kind, code in codes.items() if isinstance(error, kind)), TOOL)
@@ -59,7 +59,7 @@ def _code(error: BaseException) -> int:
 
 def complain(message: str, code: int) -> int:
     """Print an error message on stderr, with control characters escaped, and return the exit code."""
-    say(StderrConsole(), f"error: {visible(message)}")  # where nobody can be told, the exit code still says it
+    say(StderrConsole(), f"error: {visible(message)}")  # where stderr cannot be written, the exit code still tells of the error
     return code
 
 

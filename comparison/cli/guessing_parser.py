@@ -1,4 +1,4 @@
-"""A parser of the command line that guesses: misspelt commands and options, and options that stand before the command."""
+"""A parser of the command line that suggests the nearest command or option for a misspelt one, and takes options before the command."""
 
 import argparse
 import contextlib
@@ -19,7 +19,7 @@ class GuessingParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one message."""
         told = f"{visible(message)}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid"
-        with contextlib.suppress(OSError):  # where nobody can be told, the exit code still says it
+        with contextlib.suppress(OSError):  # where stderr cannot be written, the exit code still tells of the error
             print(f"error: {told}", file=sys.stderr)
         raise SystemExit(USAGE)
 
@@ -62,7 +62,7 @@ def parse(whole: GuessingParser, arguments: Sequence[str] | None = None) -> argp
 
 
 def _added(options: argparse.Namespace, rest: Sequence[str], chosen: argparse.ArgumentParser) -> bool:
-    """Add scenes or folders that stand behind an option to those before it, which argparse takes alone; False where it takes only one."""
+    """Add scenes or folders behind an option to those before it, the only ones that argparse takes; False where `rest` is not of these."""
     several = [action for action in chosen._actions if action.nargs == "+"]
     end = rest.index("--") if "--" in rest else len(rest)
     if not several or any(word.startswith("-") for word in rest[:end]):

@@ -1,4 +1,4 @@
-"""Fit what is printed to the width of the terminal: columns that a table can spare go first, sentences break between words."""
+"""Fit the output to the width of the terminal: tables lose columns that they can spare, and sentences break between words."""
 
 import os
 import textwrap
@@ -46,9 +46,9 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
     table : Table
         Table in the program's style.
     can_go : sequence of str
-        Headings of the columns that a narrow table leaves out, the first to go first.
+        Headings of the columns that a narrow table leaves out, in this order.
     whole : bool
-        Whether to print every column on one line each, even where the table is then wider than the terminal.
+        Whether to print every column, even where the table is then wider than the terminal.
     """
     title, table.title = Text.from_markup(str(table.title or ""), emoji=False).plain, None
     gone = set() if whole else _gone(table, console.width, can_go)
@@ -57,14 +57,14 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
     if title:
         say(console, title)
     terminal = console.width
-    # A console prints nothing wider than itself. The numbers of a table that loses columns are never broken: it goes beyond the terminal.
+    # A console prints nothing wider than itself. A table that may lose columns breaks no number, so it may be wider than the terminal.
     console.width = max(terminal, _width(table, gone)) if can_go else terminal
     console.print(_without(table, gone) if gone else table)
     console.width = terminal
 
 
 def _gone(table: Table, width: int, can_go: Sequence[str]) -> set[str]:
-    """Return the headings of the columns that a table must lose to fit into a width, those without any value first."""
+    """Return the headings of the columns that a table must lose to fit into a width; columns without any value go first."""
     gone: set[str] = set()
     empty = {str(column.header) for column in table.columns if set(column.cells) <= {DASH}}
     for heading in sorted(can_go, key=lambda heading: heading not in empty):

@@ -15,9 +15,9 @@ from la_core.text_table import OVER_WEIGHT, number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
 COLOURS = {"agree": "green", "disagree": "red", "unexpected": "red", "inconclusive": "yellow", "cannot stand": "red"}
-EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
-LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
-VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narrow table leaves out, the first to go first
+EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of the names of rows that only `--long` shows
+LONGEST_NAME = 40  # columns for the names of scenes; longer names are broken
+VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narrow table leaves out, in this order
 
 
 def scene_table(scenes: list[Scene], width: int, long: bool = False) -> Table:
@@ -52,7 +52,7 @@ def coloured(words: str, verdict: str | None) -> str:
 
 
 def changes_table(changes: dict[str, Any]) -> Table:
-    """Return a table of what reading changed in the geometry, one change per row."""
+    """Return a table of the changes of the geometry when it was read, one per row."""
     table = new_table("changed in the geometry", "how much")
     for what, how_much in change_rows(changes):
         table.add_row(plain(what), plain(how_much))
@@ -60,7 +60,7 @@ def changes_table(changes: dict[str, Any]) -> Table:
 
 
 def effects_table(effects: dict[str, Any], long: bool = False) -> Table:
-    """Return a table of effects, one per row: on or off and the model; long: also its meaning, the reason, and what it saves."""
+    """Return a table of effects, one per row: on or off and the model; long: also its meaning, the reason, and the savings without it."""
     if not long:
         short = new_table("effect", "", "modelled")
         for row in effects["table"]:
@@ -79,7 +79,7 @@ def bounds_table(scene: Scene, answer: dict[str, Any], long: bool = False) -> Ta
 
 
 def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check], long: bool = False) -> Table | None:
-    """Return what `bounds_table` leaves out: the prediction, and checks against expected values; None where there is neither."""
+    """Return a table of the rows that `bounds_table` leaves out: the prediction and checks against expected values; None without any."""
     _, unit, share = answer_headings(scene)
     rows = _shown(list(answer_rows(scene, answer))[len(_rows_of_bounds(scene, answer)) :], long)
     if not rows and not checks:
@@ -91,7 +91,7 @@ def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check], 
 
 
 def _expected_words(check: Check) -> str:
-    """Return whether an expected value is met, and where it is not, the value itself."""
+    """Return words that say whether an expected value is met, with the value where it is not."""
     words = " ".join(check_words(check.verdict))
     if check.verdict is not Verdict.UNEXPECTED or check.limit_analysis is None or check.difference is None:
         return words
@@ -141,7 +141,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
 
 
 def _keep_names_whole(table: Table, names: Sequence[str]) -> None:
-    """Let the first column of a table never break the names in it, unless they are longer than any table should be wide."""
+    """Keep the names in the first column of a table unbroken, up to LONGEST_NAME characters."""
     table.columns[0].min_width = min(max(map(len, names), default=0), LONGEST_NAME)
 
 

@@ -19,7 +19,7 @@ from comparison.settings import load_settings, unknown_variables
 from comparison.yade import HOW_TO_GET_YADE, find_yade
 from la_core.errors import how_to_install
 
-EXTRAS = ("mesh", "drawing", "dask", "pandas", "parquet")  # those of users
+EXTRAS = ("mesh", "drawing", "dask", "pandas", "parquet")  # for users, not for developers
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Finding:
     remedy : str
         Next step for an unusable part, or a caution for a usable one; "" without either.
     needed : bool
-        Whether the program needs the part; False for that of an extra.
+        Whether the program needs the part; False for a part of an extra.
     has_other_version : bool
         Whether the part is installed, but in a version that is not allowed.
     """
@@ -134,14 +134,14 @@ def _program(name: str, place: str | None, remedy: str) -> Finding:
 def is_allowed(version: str, allowed: str) -> bool:
     """Return whether a version fulfils all bounds such as ">=2.12,<3"; only these two signs are bounds here.
 
-    A library would do the same, but may itself be the part that is missing.
+    A library would do the same, but may itself be the missing part.
     """
     bounds = re.findall(r"(>=|<)\s*([\d.]+)", allowed)
     return all((_numbers(version) >= _numbers(bound)) == (sign == ">=") for sign, bound in bounds)
 
 
 def _numbers(version: str) -> list[int]:
-    """Return the numbers of a version, of 2.12.0rc1 [2, 12]: zeros at the end say nothing."""
+    """Return the numbers of a version without zeros at the end, such as [2, 12] for 2.12.0rc1."""
     release = re.match(r"\d+(?:\.\d+)*", version)
     numbers = [int(part) for part in release[0].split(".")] if release else []
     while numbers and numbers[-1] == 0:

@@ -55,7 +55,7 @@ def _write(context: Context, kind: str, text: str, path: Path) -> None:
         raise SceneError(str(path), "exists already and is not replaced", hint="name another file with -o") from error
     try:
         write_whole(path, text.encode())
-    except BaseException:  # the empty file that a full disk leaves would stop the next call, which replaces nothing
+    except BaseException:  # a full disk leaves an empty file, which the next call would refuse to replace
         path.unlink(missing_ok=True)
         raise
     if context.options.json:
@@ -65,7 +65,7 @@ def _write(context: Context, kind: str, text: str, path: Path) -> None:
 
 
 def _list(context: Context) -> int:
-    """Print every kind with what its scene shows."""
+    """Print every kind with the purpose of its scene."""
     kinds = {kind: starter_purpose(kind) for kind in starter_names()}
     if context.options.json:
         context.print_json({"kinds": kinds})

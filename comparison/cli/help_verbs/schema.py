@@ -14,7 +14,7 @@ from la_core.scene import default_words, part_of_schema, scene_schema, tables_of
 
 
 def execute(context: Context) -> int:
-    """Print the JSON Schema of scene files; of one table alone a list of its keys, or its schema with --json."""
+    """Print the JSON Schema of scene files; for one table, print a list of its keys, or its schema with `--json`."""
     typed = context.options.table
     if typed is None:
         context.print_json(scene_schema())
@@ -33,7 +33,7 @@ def execute(context: Context) -> int:
 
 
 def keys_table(table: dict[str, Any], default_of: Callable[[str], str] | None = None) -> Table:
-    """Return one row per key: what it may hold, its default and its meaning.
+    """Return one row per key: its allowed values, its default and its meaning.
 
     default_of: the default of a key, where the schema does not have it.
     """

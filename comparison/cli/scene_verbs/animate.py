@@ -23,7 +23,7 @@ def execute(context: Context) -> int:
     Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
     options, code, made = context.options, AGREE, []
-    if options.output is not None:  # what is missing for the file is told before the scene is run
+    if options.output is not None:  # an error in the file's name, its folder or ffmpeg is reported before the scene is run
         require_place(options.output)
     with Narration(context.narrator) as narration:
         folders = locate_results(options.source)
@@ -45,7 +45,7 @@ def execute(context: Context) -> int:
 
 
 def _animated(folder: Path, path: Path, fps: int, narration: Narration) -> dict[str, Any]:
-    """Animate the stored results of one scene, and return what was written."""
+    """Animate the stored results of one scene, and return the file with its numbers of frames and bytes."""
     results = read_results(folder)
     scene = results.scene
     frames = write_animation(Story(results), path, fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}"))

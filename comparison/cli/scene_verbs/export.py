@@ -24,7 +24,7 @@ def execute(context: Context) -> int:
 
 
 def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
-    """Export the stored results of scenes, those of several into folders of their names; return the files to open."""
+    """Export the stored results of scenes, those of several scenes into folders of their names; return the files to open."""
     files: list[str] = []
     for folder in folders:
         place = Path(f"{_name(folder)}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
@@ -33,7 +33,7 @@ def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
 
 
 def _name(folder: Path) -> str:
-    """Return the name of a scene's results, in a campaign that of the case: all cases of a sweep have results of one name."""
+    """Return the name of a scene's results; in a campaign the name of the case, because the results of a sweep's cases share one name."""
     case = folder.resolve().parent
     return case.name if (case / OUTCOME).is_file() else folder.name
 

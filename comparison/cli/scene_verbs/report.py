@@ -16,7 +16,7 @@ from comparison.yade import among_results
 from la_core.errors import SceneError
 from la_core.exchange import ASK_OWNER, ExchangeError
 
-RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them tells that a scene was run there, though another may be missing
+RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them shows that a scene was run in a folder, without the others, too
 
 
 def execute(context: Context) -> int:
@@ -63,7 +63,7 @@ def execute(context: Context) -> int:
 
 
 def _refuse_without_results(folder: Path) -> NoReturn:
-    """Raise an error that says what a folder without results of `crosscheck run` is, and what to do."""
+    """Raise an error for a folder without results of `crosscheck run`, with the reason and the next step."""
     if (folder / DEFINITION).is_file():
         _refuse_a_running_campaign(folder)
         ended = "holds a campaign that was ended before its first table"
@@ -84,9 +84,9 @@ def _refuse_a_running_campaign(folder: Path) -> None:
 
 
 def _closed_folders(folder: Path) -> list[Path]:
-    """Return the folders in a run's folder, or itself, that this user may not list; their results would be missing without a word.
+    """Return the folders in a run's folder, or itself, that this user may not list; else a report would silently lack their results.
 
-    Those of a disk or a desktop hold no results: `lost+found`, and names with a dot such as `.Trash-0`.
+    Folders of a disk or a desktop hold no results: `lost+found`, and names with a dot such as `.Trash-0`.
     """
     if not folder.is_dir():
         return []

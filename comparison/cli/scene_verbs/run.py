@@ -28,7 +28,7 @@ def execute(context: Context) -> int:
     try:
         for comparison in made:
             comparisons.append(comparison)
-    except (SceneError, FolderInUseError, WorkerLostError, OSError):  # found only during the run: earlier scenes keep their report
+    except (SceneError, FolderInUseError, WorkerLostError, OSError):  # an error during the run: the report of earlier scenes is written
         if comparisons:
             _conclude(comparisons, context)
         raise
@@ -56,7 +56,7 @@ def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[d
     with WorkerProcesses(partial(_run_quietly, options=context.options), min(context.options.workers, len(models))) as workers:
         for scene in [model.scene.name for model in models]:
             while scene not in made:
-                has_failed = any(isinstance(ended, Exception) for ended in made.values())  # it ends the run once its turn comes
+                has_failed = any(isinstance(ended, Exception) for ended in made.values())  # it ends the run when its scene's turn comes
                 while waiting and not workers.is_busy and not has_failed:
                     workers.begin(waiting.popleft())
                 made |= {model.scene.name: ended for model, ended in workers.ended()}
@@ -75,7 +75,7 @@ def _run_quietly(model: StructuralModel, options: argparse.Namespace) -> list[di
 
 
 def _run_one(model: StructuralModel, options: argparse.Namespace, narration: Narration) -> Iterator[dict[str, Any]]:
-    """Yield the comparison of a model, then that of its second attempt, where one is requested and called for."""
+    """Yield the comparison of a model, then that of its second attempt, where one is requested and needed."""
     with_yade = not options.no_yade
     first = run_scene(model, options.output / model.scene.name, narration, with_yade, options.time_limit)
     yield first
@@ -95,7 +95,7 @@ def _models(options: argparse.Namespace) -> list[StructuralModel]:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:
         scenes = [full_model(scene) for scene in scenes]
-    if options.threads is not None and not options.no_yade:  # else the stored limit analysis, and the scene's own words, stay
+    if options.threads is not None and not options.no_yade:  # without YADE the scene and its stored limit analysis stay unchanged
         scenes = [_with_threads(scene, options.threads) for scene in scenes]
     refuse_names(scenes)
     if _may_try_harder(options):

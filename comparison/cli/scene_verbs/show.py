@@ -32,13 +32,13 @@ from la_core.text_table import number_text
 
 FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
 
-# Settings of YADE that change how many steps it takes: the estimate is for those that follow from the structure.
+# Settings of YADE that change its number of steps: the estimate of the time holds only where all of them follow from the structure.
 PACE = {"speed", "travel_periods", "max_travel", "plateau_travel", "plateau_share", "ramp_time", "gravity_ramp", "gravity_time"}
 PACE |= {"time_step", "settling_step", "time_step_share", "stiffening", "normal_stiffness", "shear_stiffness", "quick_speed", "added_mass"}
 
 
 def execute(context: Context) -> int:
-    """Draw a scene and print its facts; raises SceneError, after drawing what is wrong where that has a place."""
+    """Draw a scene and print its facts; raises SceneError, after a drawing of the faults that have a place."""
     options = context.options
     scene = load_scene(shipped.find(options.scene))
     context.warn(scene)

@@ -28,7 +28,7 @@ from la_core.scene import Scene, load_scene, shipped
 
 
 class _BoundsFirst(Narration):
-    """Narration that prints the bounds as a table of results, unless they are those of one attempt only, or JSON is requested."""
+    """Narration that prints the bounds as a table of results, unless JSON is requested, or they are those of one attempt at an accuracy."""
 
     def __init__(self, context: Context) -> None:
         super().__init__(context.narrator)
@@ -65,7 +65,7 @@ def execute(context: Context) -> int:
     if options.json:
         context.print_json(limit_analysis_summary(analysis))
     else:
-        if not narration.has_printed_bounds:  # they were stored, or are those of the last attempt
+        if not narration.has_printed_bounds:  # the bounds were stored, or are those of the last attempt
             _tell_whether_it_stands(analysis, context)
         _print_rest(scene, limit_analysis_values(analysis), checks, narration.has_printed_bounds, context)
         if greatest := greatest_load_summary(Results(analysis)):
@@ -78,7 +78,7 @@ def execute(context: Context) -> int:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
     concluded = conclusion_of(analysis, [*checks, *check_answer(analysis)], None)
-    if concluded.verdict not in UNCONFIRMED:  # one method alone has nothing more to say about its own answer
+    if concluded.verdict not in UNCONFIRMED:  # an answer that no check contradicts needs no next step
         is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
         words = "" if is_said else f"{concluded.reason}\n"
         context.narrate(f"{words}next: {concluded.next_step}")
@@ -88,13 +88,13 @@ def execute(context: Context) -> int:
 
 
 def _tell_whether_it_stands(analysis: LimitAnalysis, context: Context) -> None:
-    """Say that the structure cannot stand, and why, where limit analysis proves it."""
+    """Print that the structure cannot stand, with the reason, where limit analysis proves it."""
     if (concluded := conclusion_of(analysis, [], None)).verdict is Verdict.CANNOT_STAND:
         context.tell(f"{analysis.scene.name} cannot stand. {concluded.reason}")
 
 
 def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:
-    """Return the requested analysis; only a complete one without an extra path is stored, as `crosscheck run` makes the same."""
+    """Return the requested analysis; only a complete one without an extra path is stored, because `crosscheck run` makes the same."""
     options = context.options
     if options.bounds or options.path:
         return solve(scene, options.path, options.bounds, narration).analysis
@@ -103,7 +103,7 @@ def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnal
 
 
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
-    """Print the tables of an answer, without that of the bounds where it was printed already."""
+    """Print the tables of an answer, without the bounds where these were printed already."""
     if not has_printed_bounds:
         context.table(tables.bounds_table(scene, answer, context.options.long))
     if (rest := tables.prediction_table(scene, answer, checks, context.options.long)) is not None:

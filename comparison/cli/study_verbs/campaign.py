@@ -61,7 +61,7 @@ def execute(context: Context) -> int:
 
 
 def _warn(cases: list[Case], context: Context) -> None:
-    """Print what is implausible about the scenes of a campaign, each warning once, with the first case that it is about."""
+    """Print the warnings about the scenes of a campaign, each warning once, with the first case that it concerns."""
     about: dict[str, list[str]] = {}
     for case in cases:
         for warning in case.run.warnings:

@@ -13,7 +13,7 @@ from comparison.studies import CostStudy, cost, cost_dict, cost_figure, study_co
 from la_core.errors import real_path
 from la_core.scene import load_scene, shipped
 
-CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a narrow table leaves out, the first to go first
+CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a narrow table leaves out, in this order
 
 
 def execute(context: Context) -> int:
@@ -21,14 +21,14 @@ def execute(context: Context) -> int:
     options = context.options
     scenes = [load_scene(path) for path in dict.fromkeys(real_path(shipped.find(name)) for name in options.scenes)]
     refuse_names(scenes)
-    make_writable(options.output)  # a folder that takes no results is told before the measurement
+    make_writable(options.output)  # an error for a folder that cannot be written comes before the measurement
     ladders: list[CostStudy] = []
     try:
         with Narration(context.narrator) as narration:
             for scene in scenes:
                 ladders.append(study_cost(scene, not options.no_yade, narration, options.workers, options.time_limit))
                 _store(ladders[-1], options.output / f"{scene.name}-cost")
-    finally:  # a full disk takes no numbers away, which may be stored nowhere
+    finally:  # after a full disk the numbers may be stored nowhere, so they are printed
         if ladders:
             _print(ladders, context)
     context.narrator.print(f"drawn in {options.output}", markup=False)

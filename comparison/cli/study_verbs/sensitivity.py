@@ -9,7 +9,7 @@ from comparison.progress import Narration
 from comparison.studies import sensitivity, sensitivity_figure, study_sensitivity
 from la_core.scene import load_scene, shipped
 
-CAN_GO = ("s", "violation", "programmes", "last ten")  # columns that a narrow table leaves out, the first to go first
+CAN_GO = ("s", "violation", "programmes", "last ten")  # columns that a narrow table leaves out, in this order
 
 
 def execute(context: Context) -> int:
@@ -21,7 +21,7 @@ def execute(context: Context) -> int:
         result, references = study_sensitivity(scene, narration)
     try:
         save(sensitivity_figure(result, references), figure)
-    finally:  # a full disk takes no numbers away, which are stored nowhere
+    finally:  # the numbers are stored nowhere, so they are printed after a full disk, too
         if options.json:
             context.print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
         else:
