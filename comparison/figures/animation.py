@@ -174,7 +174,7 @@ def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int,
                     story.draw(float(share))
                     writer.grab_frame()
                     progress(drawn, len(shares))
-        except OSError as error:  # of a full disk, whose error does not name the file
+        except OSError as error:  # the error of a full disk does not name the file
             raise OSError(error.errno, error.strerror, error.filename or str(unfinished)) from error
         write_whole(path, unfinished.read_bytes())
     return len(shares)

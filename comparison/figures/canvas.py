@@ -1,6 +1,6 @@
 """Blocks, interfaces, points and arrows on a canvas, and the colours of all figures.
 
-A plane scene is seen along y, any other scene in a parallel view, its blocks drawn back to front.
+A plane scene is seen along y. Any other scene is drawn in a parallel projection, with its blocks from back to front.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ ASIDE = 3  # drawn as a fourth role: a free block that was left out of the model
 ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
 ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
 LINE = 0.5  # pt, block outlines
-FEW = 25  # blocks that are named, and seen through for their contact points
+FEW = 25  # blocks: at most this number are named, and show the contact points behind them
 MARGIN = 0.12  # of the structure's size: room for arrows around it
 ARROW = 0.1  # of the structure's size: arrow of a motion
 ELEVATION, AZIMUTH = np.radians([24.0, -62.0])  # of the viewer: from the front, the right and above
@@ -49,7 +49,7 @@ def drawn_roles(assembly: Assembly) -> list[int]:
 
 
 def tint(colour: str, white: float = 0.4) -> str:
-    """Return a lighter shade of a colour, by its share of white: that of areas under black edges and marks unless told otherwise."""
+    """Return a lighter shade of a colour with a share of white; the default is that of areas under black edges and marks."""
     red, green, blue = ((1.0 - white) * channel + white for channel in to_rgb(colour))
     return to_hex((red, green, blue))
 
@@ -60,9 +60,9 @@ def structure_size(blocks: Blocks) -> float:
 
 
 def load_arrows(blocks: Blocks, point: np.ndarray, force: np.ndarray, most: int = MOST_LOADS) -> tuple[np.ndarray, np.ndarray]:
-    """Return which forces (N, 3) are drawn, of many some that lie evenly among them, and where their arrows start (M, 3), m.
+    """Return the indices (M,) of the forces that are drawn, and the starts (M, 3) of their arrows, m.
 
-    The arrows end at the points (N, 3) of the forces. A greater force has a longer one.
+    Of more than `most` forces (N, 3), evenly spaced ones are drawn. Arrows end at `point` (N, 3), m; a greater force has a longer one.
     """
     size = np.linalg.norm(force, axis=1)
     shown = np.unique(np.linspace(0, len(size) - 1, most).astype(int)) if len(size) else np.zeros(0, dtype=int)
@@ -71,9 +71,9 @@ def load_arrows(blocks: Blocks, point: np.ndarray, force: np.ndarray, most: int 
 
 
 def push_arrow(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
-    """Return start and end (3,) of the arrow of a live load, m: level with the centroid of what it pushes, and ahead of it.
+    """Return start and end (3,) of the arrow of a live load, m: ahead of the free blocks, on the line through their centroid.
 
-    Within the structure it would lie on joints, or strike out the name of a block.
+    Inside the structure the arrow would lie on joints, or cover the name of a block.
     """
     blocks = assembly.blocks
     load = assembly.live_load[:, :3].sum(axis=0)
@@ -129,7 +129,7 @@ class Canvas:
         seen, polygons = zip(*self.outer.polygons(facing, self.flat(corners)), strict=True)
         shade = np.ones(len(normal)) if self.plane else 0.78 + 0.22 * np.clip(normal @ LIGHT / np.linalg.norm(LIGHT), 0.0, 1.0)
         colours = [shade[f] * np.array(to_rgb(face[blocks.face_block[f]])) for f in seen]
-        # A collection has one hatch: one for every run of faces of the same hatch keeps the order.
+        # A collection has only one hatch. A collection for each run of faces with the same hatch keeps their order.
         hatches = [hatch[blocks.face_block[f]] for f in seen]
         ends = [k for k in range(1, len(seen)) if hatches[k] != hatches[k - 1]]
         for first, last in zip([0, *ends], [*ends, len(seen)], strict=True):
@@ -166,7 +166,7 @@ class Canvas:
         self._outlines_in_view(self._outer_at_rest(self._facing(moved)), colour, 0.6, style, below=not (self.plane or self.few))
 
     def hidden_edges(self, some: np.ndarray) -> None:
-        """Draw the edges of those blocks of the mask `some` (B,) that others hide altogether, as dashed lines over them."""
+        """Draw dashed edges of the blocks of the mask `some` (B,) that other blocks hide altogether, over these other blocks."""
         facing = self._facing(some)
         owner = self.blocks.face_block[facing]
         every = loops(self.blocks.vertices[self.blocks.face_vertex], self.blocks.face_start)
@@ -179,7 +179,7 @@ class Canvas:
         return np.flatnonzero((self.blocks.face_normal @ self.toward > 1e-6) & some[self.blocks.face_block])
 
     def _outer_at_rest(self, faces: np.ndarray) -> list[np.ndarray]:
-        """Return the polygons (n, 2) of the view in which faces are seen at rest, m."""
+        """Return the visible polygons (n, 2) of faces at rest in the view, m."""
         return [polygon for _, polygon in self.outer.polygons(faces, self.flat(self.blocks.vertices[self.blocks.face_vertex]))]
 
     def seen(self, position: np.ndarray) -> np.ndarray:
@@ -187,7 +187,7 @@ class Canvas:
         return np.ones(len(position), dtype=bool) if self.plane or self.few else ~self._is_hidden(position)
 
     def _is_hidden(self, position: np.ndarray) -> np.ndarray:
-        """Return the mask (N,) of the positions that lie behind stone."""
+        """Return the mask (N,) of the positions that blocks hide."""
         view = np.stack([self.right, self.up, self.toward])
         return are_behind(self.blocks.parts, view, position, HIDING * structure_size(self.blocks))
 
@@ -201,7 +201,7 @@ class Canvas:
         self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=style)
 
     def loads(self, point: np.ndarray, force: np.ndarray) -> None:
-        """Draw forces (N, 3) as arrows that end at their points (N, 3), m; of many, some that lie evenly among them."""
+        """Draw forces (N, 3) as arrows that end at their points (N, 3), m; of many forces only evenly spaced ones."""
         shown, start = load_arrows(self.blocks, point, force)
         for first, last in zip(start, point[shown], strict=True):
             self.arrow(first, last, LOAD_COLOUR, 1.2)
@@ -227,7 +227,7 @@ class Canvas:
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Write each block's name at its centroid, as large as the block allows there; in space, not over the name of one before it."""
+        """Write each block's name at its centroid, as large as the block allows there; in space, not over the name of a block before it."""
         room, _, height = ((self.blocks.high - self.blocks.low) * self.scale).T
         if self.plane:
             room = self.scale * self.outer.room_beside(

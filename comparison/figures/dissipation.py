@@ -26,7 +26,7 @@ WIDTH = (1.6, 5.5)  # pt, of an interface that dissipates almost nothing, and of
 POWER = LinearSegmentedColormap.from_list("power", ["#f7b267", "#e4572e", "#a4133c", "#3d0814"])
 MOVES = "#d8e2ef"  # face of the blocks that move
 STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size over the canvas' dot, marker; the last on top
-    # The circle is wider than the cross is along its diagonal: where a point opens and another one slides in its place, both are seen.
+    # The circle is wider than the cross's diagonal, so that both are seen where an opening and a sliding point have the same position.
     ContactState.IDLE: ("closed without force", 0.8, {"marker": "s", "markerfacecolor": "white", "markeredgecolor": FAINT}),
     ContactState.STICKING: ("sticks", 0.7, {"marker": "s", "markerfacecolor": INK, "markeredgecolor": INK}),
     ContactState.OPENING: ("opens", 2.8, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}),
@@ -137,7 +137,7 @@ def _halfway(assembly: Assembly, displacement: np.ndarray, position: np.ndarray,
 
 
 def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: MechanismMeasures, push: str) -> None:
-    """Add a colour bar in the unit of the power, where anything dissipates."""
+    """Add a colour bar in the unit of the power, where friction dissipates."""
     if not measures.dissipated_power > 0.0:
         return
     divisor, unit = _unit(assembly)

@@ -1,7 +1,7 @@
-"""Which faces of the blocks are drawn, and in which order; which points are hidden by stone.
+"""The visible faces of the blocks, their drawing order, and the points that blocks hide.
 
-A block that is not convex has no edges where its convex parts meet: its faces that lie in one plane and face the same way are one face,
-and what faces them in that plane lies inside the block.
+A block that is not convex has no edges where its convex parts meet. Its faces that lie in one plane and face the same way are therefore
+joined to one face. Where a face of another part lies in that plane and faces the other way, the area is inside the block.
 
 Convex blocks that touch each other hide each other in a known order; they are drawn back to front in that order. Mplot3d sorts
 single faces by their mean depth instead, and draws a long foundation over the short blocks on it.
@@ -19,9 +19,9 @@ from la_core.model import Assembly
 NEAR = 1e-4  # of the largest extent of a block: boxes and faces that are nearer than this touch
 IN_PLANE = 1e-6  # of a block's size, and of a normal: faces this close to one plane lie in it
 GRID = 1e-7  # of the structure's size: joined faces have their corners on a grid this fine
-SLIVER = 10.0  # times the grid: what is narrower than about this is round-off
+SLIVER = 10.0  # times the grid: a polygon narrower than about this is round-off
 LEVEL = 1e-9  # cosine between a face's normal and the view, below which the face is seen edge-on
-AT_A_TIME = 500  # blocks that are held against all others in one array, or points against the parts before them
+AT_A_TIME = 500  # blocks that are compared with all others in one array, or points with the parts before them
 
 
 def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
@@ -39,7 +39,7 @@ def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
     hides: list[list[int]] = [[] for _ in depth]
     for back, front in zip(behind, before, strict=True):
         hides[back].append(int(front))
-    # No order is right where blocks interlock in a ring: the block that waits for the fewest others goes first, the farthest of these.
+    # Blocks that interlock in a ring have no right order. Then the block that waits for the fewest others is drawn, the farthest of these.
     queue = [(int(waiting[k]), float(depth[k]), k) for k in range(len(depth))]
     heapq.heapify(queue)
     order: list[int] = []
@@ -57,9 +57,9 @@ def back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
 
 
 def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return pairs of blocks, the one behind and the one before it, of which at least one was set aside.
+    """Return pairs of touching blocks, the rear one and the front one, of which at least one was set aside.
 
-    A model has no interfaces of blocks that it sets aside. A face tells the order where it parts two convex parts that touch in its plane.
+    A model has no interfaces of blocks that it sets aside. Their order follows from a face whose plane separates two touching parts.
     """
     parts, block = blocks.parts, blocks.part_block
     near, towards = NEAR * float((blocks.high - blocks.low).max()), blocks.face_normal @ toward
@@ -83,7 +83,7 @@ def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np
 
 
 def _parting(parts: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the faces of `one` (K,) whose planes part it from `other` (K,), the pair of parts of each, and the gap before each, m."""
+    """Return the faces of parts `one` (K,) whose planes separate them from parts `other` (K,), with the pair and the gap, m, of each."""
     pair, nth = group_members(np.diff(parts.part_face_start)[one])
     face, beside = parts.part_face_start[one[pair]] + nth, other[pair]
     row, nth = group_members(np.diff(parts.vertex_start)[beside])
@@ -94,9 +94,9 @@ def _parting(parts: Blocks, one: np.ndarray, other: np.ndarray, near: float) -> 
 
 
 def are_behind(parts: Blocks, view: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
-    """Return the mask (N,) of the points (N, 3) that lie behind more than `least` (m) of one of the convex parts.
+    """Return the mask (N,) of the points (N, 3) with more than `least`, m, of one of the convex parts between them and the viewer.
 
-    The rows of `view` (3, 3) are unit vectors to the right, upwards and towards the viewer. A point is held against those parts alone
+    The rows of `view` (3, 3) are unit vectors to the right, upwards and towards the viewer. A point is compared only with the parts
     whose bounding boxes in the view cover it.
     """
     flat, places, margin = parts.vertices @ view[:2].T, points @ view[:2].T, NEAR * float((parts.high - parts.low).max())
@@ -127,16 +127,16 @@ class OuterFaces:
     Attributes
     ----------
     order : ndarray
-        Place (F,) of each face in the order in which those of its block are drawn, back to front. It is 0 in a convex block: of its
-        faces that are seen none hides another.
+        Place (F,) of each face in the drawing order of its block's faces, back to front. It is 0 in a convex block, whose visible faces
+        do not hide each other.
     """
 
     def __init__(self, blocks: Blocks, toward: np.ndarray) -> None:
         """Find the faces of the blocks' convex parts that lie in one plane; `toward` is a unit vector (3,) to the viewer."""
         self.order = np.zeros(len(blocks.face_block), dtype=int)
         self._blocks, self._toward = blocks, toward
-        self._is_drawn = np.ones(len(blocks.face_block), dtype=bool)  # alone, or for all faces that it is joined with
-        self._joined: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the face that is drawn: those joined with it, those facing it
+        self._is_drawn = np.ones(len(blocks.face_block), dtype=bool)  # for itself, or for all faces that it is joined with
+        self._joined: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the drawn face: faces joined with it, faces opposite
         self._grid = GRID * float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
         for block in np.flatnonzero(blocks.is_compound).tolist():
             faces = np.arange(*np.searchsorted(blocks.face_block, [block, block + 1]))
@@ -144,7 +144,7 @@ class OuterFaces:
             self._put_in_order(faces[blocks.face_normal[faces] @ toward > 0.0])
 
     def _join(self, block: int, faces: np.ndarray) -> None:
-        """Find which faces of a block lie in one plane, and which of them face the same way."""
+        """Find the faces of a block that lie in one plane, and among these the faces that face the same way."""
         blocks = self._blocks
         normal = blocks.face_normal[faces]
         offset = blocks.face_offset[faces] - normal @ blocks.centroid[block]
@@ -161,9 +161,9 @@ class OuterFaces:
                 self._joined[int(face)] = (alike, in_plane(k, -1.0))
 
     def _put_in_order(self, faces: np.ndarray) -> None:
-        """Put faces of one block in the order in which they are drawn: the more of the others a face may hide, the later it comes.
+        """Set the drawing order of the faces of one block: by the number of faces that each may hide, less the number that may hide it.
 
-        A face may hide another one where a part of it is before the plane of that one, and a part of that one behind its own.
+        Face A may hide face B where a part of A lies before the plane of B, and a part of B lies behind the plane of A.
         """
         blocks = self._blocks
         faces = faces[self._is_drawn[faces]]
@@ -175,7 +175,7 @@ class OuterFaces:
         self.order[faces] = np.argsort(np.argsort(hides.sum(axis=1) - hides.sum(axis=0), kind="stable"), kind="stable")
 
     def polygons(self, faces: Sequence[int] | np.ndarray, flat: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield the polygons (n, 2) in which faces are seen, each with its face; faces that others are drawn for have none.
+        """Yield the visible polygons (n, 2) of faces, each with its face; a face that is drawn as part of another one has none.
 
         flat: corners (L, 2) of all faces in the view.
         """
@@ -186,9 +186,9 @@ class OuterFaces:
                 yield int(face), self._loop(face, flat)
 
     def room_beside(self, points: np.ndarray, flat: np.ndarray) -> np.ndarray:
-        """Return the width (B,) that is centred at a point (B, 2) of each block and ends at its nearer side, m.
+        """Return the width (B,), m, of the room centred at a point (B, 2) of each block, up to the block's nearer side.
 
-        A voussoir that leans has less room than its extent. flat: corners (L, 2) of all faces in the view.
+        In a leaning voussoir this is less than its extent. flat: corners (L, 2) of all faces in the view.
         """
         blocks = self._blocks
         room = np.full(len(blocks), np.inf)
@@ -208,11 +208,11 @@ class OuterFaces:
         is_convex = np.repeat(~blocks.is_compound[blocks.face_block], np.diff(blocks.face_start))
         pairs = [np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)[is_convex]]
         for face, (alike, facing) in self._joined.items():
-            across = np.delete(np.arange(3), np.abs(blocks.face_normal[face]).argmax())  # the plane's shadow that is largest
+            across = np.delete(np.arange(3), np.abs(blocks.face_normal[face]).argmax())  # the projection with the largest area
             vertices = np.concatenate([self._loop(one, blocks.face_vertex) for one in (*alike, *facing)])
             for polygon in self._outline(alike, facing, blocks.vertices[blocks.face_vertex][:, across]):
                 away = np.linalg.norm(polygon[:, None] - blocks.vertices[vertices][:, across], axis=2)
-                corners = vertices[away.argmin(axis=1)]  # joined faces have no corner that none of them has
+                corners = vertices[away.argmin(axis=1)]  # each corner of a joined face is one of its faces' corners
                 pairs.append(np.stack([corners, np.roll(corners, -1)], axis=1))
         return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
 
@@ -220,7 +220,7 @@ class OuterFaces:
         return corners[self._blocks.face_start[face] : self._blocks.face_start[face + 1]]
 
     def _outline(self, alike: np.ndarray, facing: np.ndarray, flat: np.ndarray) -> list[np.ndarray]:
-        """Return what is seen of the faces `alike`, without what the faces `facing` them cover."""
+        """Return the visible polygons (n, 2) of the faces `alike`: their union, without the areas that opposite faces, `facing`, cover."""
         if len(alike) == 1 and not len(facing):
             return [self._loop(alike[0], flat)]
         corners = np.concatenate([self._loop(face, flat) for face in (*alike, *facing)])
@@ -232,19 +232,19 @@ class OuterFaces:
         )
         pieces = shapely.get_parts(shapely.difference(whole, inside, grid_size=self._grid))
         pieces = [piece for piece in pieces if isinstance(piece, shapely.Polygon) and self._is_wide(piece)]
-        if any(self._is_wide(shapely.Polygon(hole)) for piece in pieces for hole in piece.interiors):  # matplotlib's polygons have none
+        if any(self._is_wide(shapely.Polygon(hole)) for piece in pieces for hole in piece.interiors):  # matplotlib has none
             return [self._loop(face, flat) for face in alike]
         return [np.array(piece.exterior.coords)[:-1] for piece in pieces]
 
     def _is_wide(self, piece: shapely.Polygon) -> bool:
-        """Return whether a polygon is more than what the grid leaves between two edges in one line."""
+        """Return whether a polygon is wider than the gaps that the grid leaves between two edges in one line."""
         return bool(piece.area > SLIVER * self._grid * piece.length)
 
 
 def _with_corners(loop: np.ndarray, corners: np.ndarray, near: float) -> np.ndarray:
-    """Return a polygon (n, 2) with those of the `corners` (C, 2) that lie on its edges, within `near`.
+    """Return a polygon (n, 2) with additional corners: those of `corners` (C, 2) that lie on its edges, within `near`.
 
-    Without them the grid may move a corner of one face off the edge of another one, and a slit would part the two.
+    Without them the grid may move a corner of one face off the edge of another face, and leave a gap between the two.
     """
     edges = []
     for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):

@@ -18,9 +18,9 @@ from la_core.model import Assembly
 
 LONGEST = 0.2  # of the structure's size: the line of the largest resultant
 SMALLEST = 0.01  # of the largest resultant: smaller ones are left out
-IN_SIGHT = 0.5  # of the joints that bear a force: where blocks hide more, the forces are drawn through the stones
+IN_SIGHT = 0.5  # of the joints that bear a force: where fewer are in sight, the forces are drawn through the blocks
 FORCE, THRUST = "#a3181f", "#0b6e4f"
-DASHES = (0.0, (3.0, 1.2))  # of the line of thrust: both colours are one grey in print
+DASHES = (0.0, (3.0, 1.2))  # of the line of thrust, because both colours print as the same grey
 
 
 @own_style()

@@ -1,4 +1,4 @@
-"""Size of words; labels beside lines and inside bands, where they fit without covering another line."""
+"""Sizes of texts, and labels beside lines and inside bands where they cover no other line."""
 
 import math
 from collections.abc import Sequence
@@ -45,15 +45,15 @@ def font_size(words: str, width: float, height: float) -> float:
 
 
 def extent(words: str, size: float) -> np.ndarray:
-    """Return width and height (2,) of words at a font size (pt), about, pt."""
+    """Return the approximate width and height (2,), pt, of words at a font size, pt."""
     lines = words.split("\n")
     return size * np.array([0.62 * max(map(len, lines)), 1.2 * len(lines)])
 
 
 def axis_numbers(low: float, high: float, most: int, spread: np.ndarray) -> tuple[list[float], list[str]]:
-    """Return the ticks of an axis between two values, and the numbers beside them, with as many digits as tell them apart.
+    """Return the ticks of an axis between two values, and the numbers beside them, with enough digits to tell them apart.
 
-    There are about as many as `most`, fewer where the numbers would cover each other: coordinates of a survey are long.
+    There are about `most` ticks, and fewer where long numbers, such as coordinates of a survey, would cover each other.
     spread: width and height (2,), pt, of a unit of the axis.
     """
     for count in range(most, 0, -1):
@@ -68,9 +68,9 @@ def axis_numbers(low: float, high: float, most: int, spread: np.ndarray) -> tupl
 
 
 def beside_axis(words: Sequence[str], name: str, room: float) -> np.ndarray:
-    """Return how much farther out (2,), pt, the numbers of an upright axis and its name lie so as not to cover each other or the axis.
+    """Return additional distances (2,), pt, of the numbers and the name of an upright axis, so that they cover neither each other nor it.
 
-    room: distance, pt, in which the middle of the numbers lies 1.2 times, and that of the name 3.4 times.
+    room: unit of distance, pt. Without the additions the middle of the numbers is at 1.2, and that of the name at 3.4.
     """
     half, of_name = (extent(max(some, key=len), size)[0] / 2.0 for some, size in (([*words, ""], 7.0), ([name], 8.0)))
     aside = max(half - room, 0.0)
@@ -78,7 +78,7 @@ def beside_axis(words: Sequence[str], name: str, room: float) -> np.ndarray:
 
 
 def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = (), row: float = ROW) -> set[str]:
-    """Write the labels that fit, from the top down, lines before bands; return the legend's names of these.
+    """Write the labels that fit, from the top down, lines before bands; return the names of these lines and bands in the legend.
 
     Labels that do not fit are not written; the legend names their lines.
 

@@ -89,7 +89,7 @@ def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSoluti
 
 
 def shown_joints(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Return the state (I,) of each interface in a mechanism (B, 6) with contact forces (C, 3), N: figures and view mark the same."""
+    """Return the state (I,) of each interface in a mechanism (B, 6) with contact forces (C, 3), N, for the marks in figures and 3D view."""
     return joint_states(assembly, contact_states(assembly, twists, forces), forces)
 
 
@@ -146,7 +146,7 @@ def _of_limit_analysis(analysis: LimitAnalysis, label: str, twists: np.ndarray, 
 
 
 def _of_run(assembly: Assembly, run: Run) -> Motion:
-    """Return YADE's recorded states; a run with a single state rests there."""
+    """Return YADE's recorded states; a single state is repeated, so that the blocks rest there."""
     twists = run.mechanism()
     moved = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     kept = [0, 0] if len(moved) == 1 else slice(None)

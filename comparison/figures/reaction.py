@@ -1,7 +1,7 @@
 """Figure of the reaction against the settlement.
 
-YADE has its record and plateau; limit analysis its bounds, its prediction with curve and interval, and a path. Under a live load
-the figure has its multiplier against the displacement along it; of a tilt this is the tangent of the angle, which a second axis gives.
+It shows YADE's record and plateau, and the bounds, prediction with curve and interval, and path of limit analysis. Under a live load it
+shows the multiplier against the displacement along the load. The multiplier of a tilt is the tangent of the angle on a second axis.
 """
 
 from collections.abc import Iterator

@@ -45,7 +45,7 @@ def has_plateau(run: Run | None) -> bool:
 
 
 def obstacle_of(analysis: LimitAnalysis) -> str:
-    """Return why limit analysis has no reaction to draw, or ""."""
+    """Return the reason why limit analysis has no reaction to draw; "" where it has one."""
     scene = analysis.scene
     status, value = analysis.bounds[analysis.main].status, analysis.main_answer.value
     if status is Status.INFEASIBLE:
@@ -98,7 +98,7 @@ def largest_settlement(results: Results) -> float:
 def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve.
 
-    The settlement is that at which the stiffer joints of YADE's run are strained alike, or have released as much.
+    This is the settlement at which the stiffer joints of YADE's run have the same strain, or have released as much.
     """
     analysis = results.analysis
     known = analysis.coulomb is not None and len(analysis.coulomb.path_settlement) >= 2 and math.isfinite(results.stiffening)
@@ -111,7 +111,7 @@ def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def at_joints_of_yade(results: Results) -> str:
-    """Return the end of the name of a curve that is drawn at the settlement of YADE's joints; "" where they are as stiff or unknown."""
+    """Return the end of the name of a curve that is drawn at the settlement of YADE's joints; "" for equal or unknown stiffnesses."""
     times = results.stiffening
     if math.isnan(times) or math.isclose(times, 1.0, rel_tol=SAME_STIFFNESS):
         return ""

@@ -22,9 +22,9 @@ def scene_figures(results: Results) -> dict[str, Callable[[], Any]]:
 
 
 def report_figures(results: Results) -> dict[str, Callable[[], Any]]:
-    """Return the figures that a report shows, without titles: its headings say them.
+    """Return the figures that a report shows, without titles, because its headings give these.
 
-    The figure of the dissipation is left out where friction dissipates nothing: it would be the mechanism a second time.
+    The figure of the dissipation is left out where friction dissipates nothing: it would only repeat the mechanism.
     """
     drawings = _drawings(results, "")
     _, best = shown_answer(results.analysis)

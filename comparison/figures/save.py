@@ -15,14 +15,14 @@ from matplotlib.figure import Figure
 from la_core.exchange import write_whole
 
 DPI = 130  # of a PNG
-SALT = "crosscheck"  # of the names of parts of an SVG, which would be random
+SALT = "crosscheck"  # of the names of an SVG's parts, which would else be random
 STYLE = {name: value for name, value in rcParamsDefault.items() if not name.startswith(("backend", "interactive"))} | {"svg.hashsalt": SALT}
 
-_ONE_STYLE = threading.RLock()  # the style is one for all threads: the last of several to end would put back that of another
+_ONE_STYLE = threading.RLock()  # all threads share one style: the last of several to end would restore that of another
 
 
 def _renew_lock() -> None:
-    global _ONE_STYLE  # noqa: PLW0603 - a forked process has no thread that would ever give the old one back
+    global _ONE_STYLE  # noqa: PLW0603 - no thread of a forked process would ever release the old one
     _ONE_STYLE = threading.RLock()
 
 
@@ -31,7 +31,7 @@ os.register_at_fork(after_in_child=_renew_lock)
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Draw in matplotlib's own style within, and put back the user's: a report is the same everywhere, and needs no LaTeX."""
+    """Set matplotlib's default style in the context, then restore the user's: a report is the same everywhere, and needs no LaTeX."""
     with _ONE_STYLE, rc_context(STYLE):
         yield
 
@@ -44,7 +44,7 @@ def save(figure: Figure, path: Path) -> None:
 def rendered(figure: Figure, suffix: str) -> bytes:
     """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf". The figure stays as it was."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with own_style(), warnings.catch_warnings(), _unmoved(figure):  # filters of warnings are one for all threads, too
+    with own_style(), warnings.catch_warnings(), _unmoved(figure):  # all threads share the filters of warnings, too
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
         if suffix == ".png":  # savefig draws twice; one drawing finds the same layout, unless a title has several lines
@@ -64,7 +64,7 @@ def rendered(figure: Figure, suffix: str) -> bytes:
 
 @contextmanager
 def _unmoved(figure: Figure) -> Iterator[None]:
-    """Put axes and titles back to where they were: the layout of a drawing begins with that of the one before, and would drift."""
+    """Restore the positions of axes and titles: each layout begins with that of the drawing before, and would drift."""
     places = [(axes, axes.get_position(original=True), axes.get_position(), axes.get_in_layout()) for axes in figure.axes]
     texts = [(text, text.get_position(), text.get_verticalalignment()) for text in figure.texts]
     try:
@@ -73,7 +73,7 @@ def _unmoved(figure: Figure) -> Iterator[None]:
         for axes, original, active, in_layout in places:
             axes.set_position(original, which="original")
             axes.set_position(active, which="active")
-            axes.set_in_layout(in_layout)  # which set_position ends
+            axes.set_in_layout(in_layout)  # set_position takes the axes out of the layout
         for text, position, alignment in texts:
             text.set_position(position)
             text.set_verticalalignment(alignment)

@@ -56,8 +56,8 @@ MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides
 def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, spots: Sequence[Sequence[float]] = ()) -> Figure:
     """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load.
 
-    The title is the scene's where none is given. spots: places of faults, (x, y, z) in m, that are marked as those are which a
-    tolerance could not close.
+    The title is the scene's where none is given. spots: places of faults, (x, y, z) in m, with the mark of gaps that a tolerance
+    could not close.
     """
     figure = blank_figure(assembly, 1, scene.title if title is None else title)
     (canvas,) = canvases(figure, assembly, 1)
@@ -121,7 +121,7 @@ def mechanism_figure(
         States (I,) of the interfaces, by the method's label; see `la_core.measures.joint_states`. Joints that open or slide are
         marked in their middle.
     travel : float
-        How far the support has moved, m or rad, so that the heading can say how much the displacements are enlarged; 0 if unknown.
+        Motion of the support, m or rad, from which the heading gives the magnification of the displacements; 0 if unknown.
     """
     known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
     factor = drawn_motion(assembly, mechanisms)
@@ -209,7 +209,7 @@ def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = ""
 
 
 def push_name(scene: Scene) -> str:
-    """Return the name of what pushes a structure without a settlement."""
+    """Return the name of the load that pushes a structure without a settlement."""
     return "live load" if scene.tilt is None else "push of the tilt"
 
 
@@ -253,7 +253,7 @@ def blank_figure(assembly: Assembly, count: int, title: str) -> Figure:
 
 
 def legend_below(figure: Figure | SubFigure, handles: Sequence[Artist], most: int = 6) -> None:
-    """Add a legend below the axes, in as many columns, `most` at most, as are no wider together than the figure."""
+    """Add a legend below the axes, with as many columns, at most `most`, as fit into the width of the figure."""
     for columns in range(max(min(len(handles), most), 1), 0, -1):
         legend = figure.legend(handles=handles, loc="outside lower center", ncols=columns, columnspacing=1.4, fontsize=8, frameon=False)
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:

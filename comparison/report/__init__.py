@@ -1,4 +1,4 @@
-"""What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
+"""Output for readers: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
 from comparison.report.facts import stone_density, structure_facts

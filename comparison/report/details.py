@@ -61,7 +61,7 @@ def _cost_of_bound(associated: dict[str, Any], results: dict[str, Any], evidence
 
 
 def _cost_of_prediction(coulomb: dict[str, Any], results: dict[str, Any], counted: str) -> dict[str, str]:
-    """Return the row of the Coulomb prediction. counted: what its iterations are."""
+    """Return the row of the Coulomb prediction. counted: name of its iterations."""
     half = results["half_width"]
     has_width = half and results["interval"] != A_POINT
     width = f", half-width {plain_number(half)} {results['unit']}".rstrip() if has_width else ""
@@ -74,7 +74,7 @@ def _cost_of_prediction(coulomb: dict[str, Any], results: dict[str, Any], counte
 
 
 def _cost_of_path(path: dict[str, Any], results: dict[str, Any], counted: str, units: Units, si_unit: str) -> dict[str, str]:
-    """Return the row of the requested path from rest. counted: what its iterations are; si_unit: SI unit of its values."""
+    """Return the row of the requested path from rest. counted: name of its iterations; si_unit: SI unit of its values."""
     values = path.get("multiplier" if results["live"] else "reaction") or []
     solves = [count for count in path.get("solves") or [] if exists(count)]
     residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
@@ -89,7 +89,7 @@ def _cost_of_path(path: dict[str, Any], results: dict[str, Any], counted: str, u
 def _stated(uncertainty: Any, share: Any, results: dict[str, Any]) -> str:
     """Return an uncertainty in the unit of the answer, and its share of the weight unless the answer is a multiplier.
 
-    One below LEAST_UNCERTAINTY of the weight is round-off; "" for an unknown one.
+    An uncertainty below LEAST_UNCERTAINTY of the weight is round-off; an unknown one is "".
     """
     size = uncertainty if results["live"] else share
     if not exists(size):
@@ -170,7 +170,7 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def energy_view(comparison: dict[str, Any]) -> dict[str, Any]:
-    """Return the energies for the templates: their rows, over which part of the run they add up, and what they mean."""
+    """Return the energies for the templates: their rows, the part of the run over which they add up, and a note on their meaning."""
     on_plateau = (comparison.get("effects") or {}).get("recording") == "plateau"  # only its states were stored
     span = "from its first to its last stored state on the plateau" if on_plateau else "from rest under gravity to its end"
     return {"rows": energies(comparison), "span": span, "note": ENERGY_NOTE}

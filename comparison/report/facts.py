@@ -23,9 +23,9 @@ def structure_facts(results: Results) -> dict[str, Any]:
 
     `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
     `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
-    method only. `moving_joints` counts those of limit analysis, and has those that move most as rows. `ground_reactions` counts the
-    fixed and the support blocks that touch the structure, and has the largest forces on it, by method, as rows. `files` has the SHA-256
-    of the scene and of each file that it reads, by the name of its copy.
+    method only. `moving_joints` counts those of limit analysis; its rows are the joints that move most. `ground_reactions` counts the
+    fixed and the support blocks that touch the structure; its rows are the largest forces on the structure, by method. `files` has the
+    SHA-256 of the scene and of each file that it reads, by the name of its copy.
     """
     scene, analysis = results.scene, results.analysis
     blocks = scene.blocks
@@ -89,7 +89,7 @@ def _support(blocks: Blocks) -> dict[str, Any] | None:
 
 
 def _mechanism_facts(results: Results) -> dict[str, Any]:
-    """Return how many blocks move by each method, and joints in which the methods differ, where both have a mechanism."""
+    """Return the number of moving blocks by method, the moving joints, and the joints in which two known mechanisms differ."""
     assembly = results.analysis.assembly
     shown = {"yade" if method.label == "YADE" else "limit_analysis": method for method in motions(results).methods}
     known = {name: method for name, method in shown.items() if np.isfinite(method.twists).all()}
@@ -108,7 +108,7 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
 
 
 def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
-    """Return the number of joints that open or slide in a mechanism, and as rows those that move most, in SI units."""
+    """Return the number of joints that open or slide in a mechanism, and as rows the joints that move most, in SI units."""
     rows = joint_rows(assembly, method.twists, method.forces[-1])
     moved = [row for row in rows if row["state"] in ("opening", "sliding")]
     speed = np.array([max(row["opening"], row["slip"]) for row in moved])
@@ -118,7 +118,7 @@ def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:
 
 
 def _ground_reactions(results: Results) -> dict[str, Any]:
-    """Return the number of fixed and support blocks that touch the structure, and as rows the forces on it, N, of those that carry most.
+    """Return the number of fixed and support blocks that touch the structure, and as rows the forces on it, N, of the most loaded blocks.
 
     Both methods hold the free blocks that are set aside. These blocks are no ground: they have no row, and `aside` is their number.
     """

@@ -1,4 +1,4 @@
-"""Inputs of a scene: everything that a reader without the program needs to know about what was calculated."""
+"""Inputs of a scene: all data that a reader without the program needs to know about the calculation."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -116,7 +116,7 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
 
 
 def _support(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield how the support moves, which of its blocks move otherwise, and where it is: facts of a scene with a settlement."""
+    """Yield the motion of the support, its blocks with another motion, and its place, for a scene with a settlement."""
     velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
     if np.any(spin):
         nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
@@ -159,12 +159,12 @@ def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _given(value: float) -> str:
-    """Return a number that was given, without the digits that calculations add."""
+    """Return a given number without the round-off digits of calculations."""
     return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
 
 
 def _point(parts: Iterable[float]) -> str:
-    """Return a point as its coordinates, m; near the origin, in a small model, with as many digits as a vector."""
+    """Return a point as its coordinates, m; a coordinate below 1 m has as many digits as those of a vector."""
     return f"({', '.join(_given(x) if abs(x) < 1.0 else coordinate_text(x) for x in map(float, parts))})"
 
 

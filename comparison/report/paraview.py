@@ -69,7 +69,7 @@ def _export_states(assembly: Assembly, run: Run, folder: Path, field: dict[str, 
 
 
 def _delete_states(folder: Path, but: Collection[str] = ()) -> None:
-    """Delete the grids of an earlier series, but for those of some names: they may be of another structure."""
+    """Delete the grids of an earlier series, which may be of another structure, except those with a name in `but`."""
     for kind in ("blocks", "forces"):
         for old in folder.glob(f"yade-{kind}-[0-9][0-9][0-9][0-9].vtu"):
             if old.name not in but:
@@ -90,7 +90,7 @@ def _mechanisms(results: Results) -> dict[str, np.ndarray]:
 def _forces(results: Results) -> dict[str, np.ndarray]:
     """Return contact forces (C, 3) on block b by method, N.
 
-    YADE's are the mean over its plateau, else its last state.
+    YADE's forces are the mean over its plateau, else those of its last state.
     """
     analysis, run = results.analysis, results.run
     forces = {"associated": analysis.bounds[analysis.main].forces}
@@ -121,7 +121,7 @@ def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarra
 
 
 def _field_data(results: Results) -> dict[str, Any]:
-    """Return what holds for the whole structure: its title, weight, reactions by method and size."""
+    """Return the values of the whole structure: its title, weight, reactions by method and size."""
     scene, analysis, run = results.scene, results.analysis, results.run
     unit = scene.unit or "1"
     name = "multiplier" if scene.live is not None else "R"

@@ -1,4 +1,4 @@
-"""The plain conclusion of a scene: what moves, what the support still carries, by which method, under which assumptions."""
+"""The plain conclusion of a scene: the moving blocks, the force that the support still carries, the methods and the assumptions."""
 
 import math
 from collections.abc import Iterator
@@ -52,7 +52,7 @@ def _falls(names: list[str]) -> str:
 
 
 def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
-    """Yield what a moving support sets in motion and what it still carries."""
+    """Yield sentences on the blocks that a moving support sets in motion, and on the force that it still carries."""
     predicted, yade = predicted_value(comparison), comparison.get("yade") or {}
     is_bound = _is_bound(comparison, "reaction")
     moves = _motion_words(facts)
@@ -80,7 +80,7 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
 
 
 def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
-    """Yield what YADE gives. given: its value with unit, "" for none."""
+    """Yield the sentence on YADE's value. given: the value with its unit, "" for none."""
     yade = comparison.get("yade") or {}
     if given and yade.get("status") == "plateau":
         yield f"YADE gives {given}."
@@ -91,7 +91,7 @@ def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
 
 
 def _how_well_known(comparison: dict[str, Any], units: Units) -> Iterator[str]:
-    """Yield the uncertainties that the methods state, but for angles, which have theirs, and what friction's history leaves open."""
+    """Yield sentences on the stated uncertainties, but not on those of angles, and on the values that friction's history leaves open."""
     r = values_of(comparison, units)
     quantity = "multiplier" if r["live"] else "moment" if comparison.get("unit") == "N m" else "reaction"
     unit = f" {r['unit']}" if r["unit"] else ""
@@ -134,7 +134,7 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
 
 
 def _pushed_weight(comparison: dict[str, Any], facts: dict[str, Any]) -> tuple[str, float | None]:
-    """Return words for the weight that a live load pushes, and its size, N: W without the dead loads by force, which are not pushed."""
+    """Return words for the weight that a live load pushes, and its size, N: W without dead loads given as forces, which are not pushed."""
     weight = comparison.get("weight")
     down = np.array(facts.get("gravity") or (0.0, 0.0, -1.0))
     forces = [load["force"] for load in facts.get("loads") or () if not exists(load["mass"])]
@@ -143,7 +143,7 @@ def _pushed_weight(comparison: dict[str, Any], facts: dict[str, Any]) -> tuple[s
 
 
 def angle_words(comparison: dict[str, Any]) -> str:
-    """Return the angle at which the ground of a tilted structure fails it, by both methods, as a sentence; "" without a tilt."""
+    """Return the angle of the ground at which a tilted structure fails, by both methods, as a sentence; "" without a tilt."""
     name, answer = _best_answer(comparison, "angle")
     yade = comparison.get("yade") or {}
     if not name:
@@ -173,7 +173,7 @@ def notes_of(comparison: dict[str, Any]) -> Iterator[str]:
 
 
 def _plateau_words(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield that limit analysis finds several plateaus, unless the reason of the verdict says so."""
+    """Yield the sentence on several plateaus of limit analysis, unless the reason of the verdict names them."""
     quantity = "multiplier" if "multiplier" in associated_of(comparison) else "reaction"
     unit = "" if quantity == "multiplier" else comparison.get("unit", "N")
     several = several_plateaus(_best_answer(comparison, quantity)[1].get("plateaus"), unit)
@@ -182,7 +182,7 @@ def _plateau_words(comparison: dict[str, Any]) -> Iterator[str]:
 
 
 def _moves_at(comparison: dict[str, Any]) -> str:
-    """Return what happens at the load of the answer: blocks keep moving at it where the structure has carried more on the way."""
+    """Return the words for failure at the load of the answer; where the structure carried more before, the blocks keep moving at it."""
     return "the blocks keep moving at" if comparison.get("greatest_load") else "the structure fails at"
 
 
@@ -204,7 +204,7 @@ def _best_answer(comparison: dict[str, Any], quantity: str) -> tuple[str, dict[s
 
 
 def _is_bound(comparison: dict[str, Any], quantity: str) -> bool:
-    """Return whether the best answer is the associated one: a bound, for where no joint slides Coulomb's is known, too."""
+    """Return whether the best answer is the associated one. It is then a bound, because Coulomb's is known where no joint slides."""
     return _best_answer(comparison, quantity)[0] == BOUND
 
 

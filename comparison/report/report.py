@@ -101,7 +101,7 @@ def write_report(
 def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[str, str]) -> dict[str, str]:
     """Return title, project, author and date of a report; "" for what is unknown.
 
-    Chosen words come first, then those on which the scenes agree. The date is else the day of the latest stored result.
+    Chosen words come first, then those on which the scenes agree. Where neither has a date, it is the day of the latest stored result.
     """
     facts = [comparison.get("structure") or {} for comparison in comparisons]
     agreed = {}
@@ -116,7 +116,7 @@ def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[st
 
 
 def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
-    """Return the day, where it was made, of the latest result that a method stored, as an ISO date; "" where no result says it."""
+    """Return the ISO date of the latest result that a method stored, in the result's own time zone; "" where no result has a date."""
     paths = [folder / name_in_results(comparison) / name for comparison in comparisons for name in ("case.h5", "run.h5")]
     moments = [datetime.datetime.fromisoformat(made[MADE_AT]) for path in paths if MADE_AT in (made := made_by(path))]
     return max(moments).date().isoformat() if moments else ""
@@ -134,9 +134,9 @@ def stored_report(
 
 
 def chosen_head(folder: Path, comparisons: list[dict[str, Any]]) -> tuple[dict[str, str], list[str]]:
-    """Return the words that an earlier command chose for the head of the report in a folder, and the scenes that this report did not have.
+    """Return the words that an earlier command chose for the head of a folder's report, and the scenes in `comparisons` that it lacked.
 
-    The words belong to a report of these scenes only where it had all of them. Words that cannot be read are left out.
+    The words hold for a report of `comparisons` only where no scene was lacking. Words that cannot be read are left out.
     """
     try:
         stored = json.loads(read_text(folder / "report.json"))

@@ -28,7 +28,7 @@ from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
 OF_FORCES = {"reaction", "forces"}  # figures that are empty where blocks fall
-FIGURES = {  # in the order of the page: what happens first, then how much and why
+FIGURES = {  # in the order of the page: first the motion, then the values and their causes
     "mechanisms": ("Mechanism", "{moves}"),
     "reaction": ("Reaction", "{reaction}{record}{levels}"),
     "forces": ("Forces", "Resultant force of each joint at its centre of pressure; its length shows its size.{thrust}"),
@@ -114,7 +114,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
 
 
 def _notes(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield what a reader should know before the figures: earlier attempt, notes, small rotations, joints of one method only."""
+    """Yield the sentences before the figures: earlier attempt, notes, small rotations, joints of one method only."""
     yield from _first_verdict(comparison)
     yield from notes_of(comparison)
     effects = {} if associated_of(comparison).get("status") == "infeasible" else comparison.get("effects") or {}  # a fall is no answer
@@ -124,7 +124,7 @@ def _notes(comparison: dict[str, Any]) -> Iterator[str]:
 
 
 def _joint_notes(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield a sentence for each method whose mechanism opens or slides in joints that rest in the other's."""
+    """Yield a sentence for each method whose mechanism opens or slides in joints that rest in the other method's mechanism."""
     for name, alone in ((comparison.get("structure") or {}).get("joints_of_one_method") or {}).items():
         if alone["count"]:
             names, rest = "; ".join(f'"{pair}"' for pair in alone["names"]), alone["count"] - len(alone["names"])
@@ -182,7 +182,7 @@ def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
 
 
 def _compared(value: float | None, tolerance: float | None) -> str:
-    """Return a compared value; one that the tolerance outweighs is as good as zero, and has the decimal places of the tolerance."""
+    """Return a compared value as text; a value smaller than the tolerance has the decimal places of the tolerance."""
     outweighed = exists(value) and exists(tolerance) and abs(value) < tolerance
     return small_number(value, tolerance) if outweighed else format_number(value, 5)
 
@@ -214,7 +214,7 @@ def _is_falling_alone(comparison: dict[str, Any]) -> bool:
 
 
 def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
-    """Return what the figure of the mechanisms shows, and by which methods."""
+    """Return the caption of the figure of the mechanisms, with the methods."""
     by = "both methods" if comparison.get("yade") else "limit analysis"
     if associated_of(comparison).get("status") == "infeasible":
         return f"Blocks that fall, by {by}: no forces between the blocks hold them."
@@ -223,14 +223,14 @@ def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
 
 
 def _drive(live: bool, tilts: bool) -> str:
-    """Return when the mechanism shows."""
+    """Return the event that sets the mechanism in motion, as a clause."""
     if tilts:
         return "the structure fails on the tilted ground"
     return "the structure fails under the load" if live else "the support moves"
 
 
 def _curve(comparison: dict[str, Any], tilts: bool) -> str:
-    """Return what the curve shows."""
+    """Return the quantities of the curve as a sentence."""
     if tilts:
         return "Tangent of the tilt angle, and the angle, against displacement."
     if comparison.get("unit") == "N m":
@@ -240,7 +240,7 @@ def _curve(comparison: dict[str, Any], tilts: bool) -> str:
 
 
 def _record_words(yade: dict[str, Any]) -> str:
-    """Return what the figure of the reaction shows of YADE; "" without a run."""
+    """Return the caption of YADE's record in the figure of the reaction; "" without a run."""
     status = yade.get("status", "plateau")
     if not yade:
         return ""
@@ -252,7 +252,7 @@ def _record_words(yade: dict[str, Any]) -> str:
 
 
 def _level_words(comparison: dict[str, Any]) -> str:
-    """Return what the figure of the reaction shows of limit analysis."""
+    """Return the caption of limit analysis' values in the figure of the reaction."""
     associated, coulomb = associated_of(comparison), (comparison.get("limit_analysis") or {}).get("coulomb") or {}
     curve = (coulomb.get("curve") or {}).get("settlement") or []
     quantity, parts = ("multiplier", ["the upper bound"]) if "multiplier" in associated else ("reaction", ["the bounds"])
@@ -267,7 +267,7 @@ def _level_words(comparison: dict[str, Any]) -> str:
 
 
 def _curve_words(comparison: dict[str, Any]) -> str:
-    """Return at which motion the figure of the reaction shows the curve of the prediction; "" where it is the curve's own."""
+    """Return a sentence on the motion at which the figure of the reaction draws the prediction's curve; "" for the curve's own motion."""
     number = "" if (times := stiffening_of(comparison)) == 1.0 else format_number(times, 3)
     stiffer = f"{number} times as stiff as those of limit analysis"
     if (comparison.get("effects") or {}).get("rotation") == "finite":
@@ -277,7 +277,7 @@ def _curve_words(comparison: dict[str, Any]) -> str:
 
 
 def _effects(comparison: dict[str, Any], units: Units) -> Iterator[dict[str, str]]:
-    """Yield one row an effect: on or off, how it is modelled, why, and the savings without it or its time in seconds."""
+    """Yield one row for each effect: on or off, its model, the reason, and the savings without it or its time in seconds."""
     for row in (comparison.get("effects") or {}).get("table") or []:
         saved = ", ".join(f"{format_number(count)} {name}" for name, count in (row.get("saved") or {}).items())
         took = f"took {format_number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""

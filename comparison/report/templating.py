@@ -19,7 +19,7 @@ BESIDE_ANOTHER, ALONE = 0.7, 0.8  # of a figure's own size on paper: labels of 8
 
 @functools.cache
 def template_environment(name: str) -> jinja2.Environment:
-    """Return the templates for the page of this name, compiled once: that takes longer than to fill them.
+    """Return the templates for the page of this name, compiled once, because compiling takes longer than filling them.
 
     HTML pages escape every text automatically; Markdown pages escape by the filter `md`.
     """
@@ -42,7 +42,7 @@ def markdown(text: Any) -> str:
 
 
 def with_code(text: Any) -> str:
-    """Return the text escaped for HTML, with what stands between backticks, such as a command, as code; templates mark it as safe."""
+    """Return the text escaped for HTML, with words between backticks, such as a command, as code; templates mark the result as safe."""
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(str(text)))
 
 

@@ -23,15 +23,15 @@ from la_core.text_table import without_round_off
 
 _STONE = "the Coulomb prediction is limit analysis' answer with the friction of stone."
 LIMITS = f"No state in balance on these contact points lies below R_min or above R_max; {_STONE}"
-MEANINGS = {  # what the values are, by their unit
+MEANINGS = {  # meaning of the values, by their unit
     "N": f"R is the force of the support against its motion, W the weight of the free blocks and the loads on them. {LIMITS}",
     "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks and the loads on them. {LIMITS}",
     "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No state in balance on "
     f"these contact points lies above the associated one; {_STONE}",
 }
-NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `stated_interval` withholds one
+NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # reason for an interval that `stated_interval` withholds
 UNLIMITED = "unlimited"
-NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
+NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is an error of the solver
 
 
 def associated_of(comparison: dict[str, Any]) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def stiffening_of(comparison: dict[str, Any]) -> float:
 
 
 def _interval_text(predicted: Any, low: Any, high: Any, unit: str, status: Any) -> str:
-    """Return an interval, or why it is unknown; without a prediction nothing has one. Files of earlier versions have no status."""
+    """Return an interval, or the reason why it is unknown; only a prediction has one. Files of earlier versions have no status."""
     if exists(low) or exists(high) or not exists(predicted):
         return interval_words(low, high, unit)
     return {"not stated": NOT_STATED, "unlimited": UNLIMITED}.get(status, DASH)
@@ -154,7 +154,7 @@ def _sum(*values: Any) -> float | None:
 
 
 def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Yield the values of both methods: what, value with its unit, share of the weight."""
+    """Yield the values of both methods: name, value with its unit, share of the weight."""
     r, ratios, unit = results, results["ratios"], results["unit"]
     share = "" if r["live"] else f" {r['ratio_unit']}"
 
@@ -191,7 +191,7 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
 
 
 def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield each expected value beside limit analysis' value for sharp edges, or for the scene's where only that is known."""
+    """Yield each expected value beside limit analysis' value for sharp edges, or for the scene's inset where only this one is known."""
     expected, associated = comparison.get("expected") or {}, associated_of(comparison)
     prediction = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
     weight = comparison.get("weight")

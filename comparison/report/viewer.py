@@ -85,7 +85,7 @@ def scripts() -> dict[str, str]:
 def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
     """Return the quantity that the slider moves, its unit and range.
 
-    SI values times `unit_per_si` are in that unit.
+    SI values times `unit_per_si` give values in that unit.
     """
     quantity, unit, factor = "settlement", "mm", 1e3
     if scene.live is not None:

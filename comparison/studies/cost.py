@@ -115,7 +115,7 @@ def measure_study(
 ) -> CostStudy:
     """Run every rung, REPEATS times where it is quick, and return the study.
 
-    Rungs that may run beside others run after those that may not.
+    Rungs that may run beside others run after all other rungs.
 
     Parameters
     ----------
@@ -124,11 +124,11 @@ def measure_study(
     methods : sequence of Method
         The rungs, in the order in which they run.
     progress : callable
-        Called before each rung with the number of those begun before it, and its name.
+        Called before each rung with the number of rungs begun before it, and its name.
     workers : int
         Number of rungs that run side by side, where they may.
     stop : callable
-        Called where one of these rungs fails or the user interrupts the program: `progress`, or the rungs themselves, then have to raise.
+        Called where one of these rungs fails or the user interrupts the program; `progress` or the running rungs must then raise an error.
     """
     begun = itertools.count()
 

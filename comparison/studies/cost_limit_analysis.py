@@ -61,7 +61,7 @@ class Method:
     run : callable
         Runs the method once and returns its result.
     beside : bool
-        Whether it may run beside others, after those that may not: in a process of its own.
+        Whether the rung may run beside others, in a process of its own; it then runs after all rungs that may not.
     """
 
     family: str
@@ -74,7 +74,7 @@ class Method:
 def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
     """Yield all rungs of limit analysis.
 
-    The rungs that predict use `inset`, m. Bounds are those of sharp edges, except on the rungs that vary the inset.
+    The rungs of the prediction use `inset`, m. Bounds are those of sharp edges, except on the rungs that vary the inset.
     """
     for accuracy in TOLERANCES:
         yield Method("cone programme", f"residual {accuracy:.0e}", ASSOCIATED, partial(_bound, scene, 0.0, accuracy))

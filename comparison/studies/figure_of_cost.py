@@ -24,7 +24,7 @@ PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, fric
 def cost_figure(ladder: CostStudy) -> Figure:
     """Draw every rung as a mark of its method, and the Pareto fronts as dashed lines.
 
-    A thin line leads from a mark to the uncertainty that the rung states. Letters name the rungs of the fronts below.
+    A thin line leads from a mark to the uncertainty that the rung states. Letters mark the rungs of the fronts; the text below names them.
     """
     figure = Figure(figsize=(15.0, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -57,7 +57,7 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
     axes.set_xlim(middle / half, middle * half)
     axes.margins(y=0.1)
-    axes.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)  # beside the marks, of which it hides none
+    axes.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)  # beside the panel, where it hides no mark
     return named
 
 

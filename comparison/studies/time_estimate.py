@@ -1,8 +1,8 @@
-"""How long a scene takes by each method, roughly, from its size: before a run, a user wants to know whether to wait."""
+"""Rough times of a scene by each method, estimated from its size: before a run, a user wants to know whether to wait."""
 
 from dataclasses import dataclass
 
-FINITE = 6.0  # YADE's time over its whole travel over that of small rotations: the median of ten random scenes, whose ratios are 2 to 12
+FINITE = 6.0  # YADE's time for finite rotations over that for small ones: the median of ten random scenes, whose ratios are 2 to 12
 WITHIN = 3.0  # factor by which times of shipped scenes differ from the estimate; at most one in ten differs by more
 TIMES = ((1.0, "s"), (60.0, "min"), (3600.0, "h"))  # seconds of each unit
 

@@ -34,9 +34,9 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
     narration : Narration
         Receives the progress.
     workers : int
-        Number of runs of YADE that go on side by side.
+        Number of runs of YADE side by side.
     time_limit : float or None
-        Time limit of each of them, s of wall time; None takes the scene's own, or an hour.
+        Time limit of each run of YADE, s of wall time; None takes the scene's own, or an hour.
     """
     stopped = threading.Event()
 
@@ -61,7 +61,7 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
 
 
 def _unanswered(scene: Scene, status: Status, so: str) -> SceneError:
-    """Return the error for a structure without an answer; `so` says what follows."""
+    """Return the error for a structure without an answer; `so` is the consequence, as a clause."""
     if status is Status.INFEASIBLE:
         return CannotStandError(str(scene.path), f"the structure cannot stand under its weight and dead loads, so {so}")
     return SceneError(str(scene.path), f"associated limit analysis ends as {status}, so {so}")
