@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 3. Thrust of an arch
 #
-# An arch pushes its springings apart. How hard it pushes, nobody knows: many lines of thrust fit into its thickness. When one springing
-# gives way, the arch opens at hinges, the line of thrust has to pass through them, and the push is known.
+# An arch pushes its springings apart. The size of this thrust is unknown, because many lines of thrust fit into the thickness of the
+# arch. When one springing gives way, the arch opens at hinges. The line of thrust has to pass through them, and the thrust is known.
 
 # %%
 import numpy as np
@@ -27,13 +27,14 @@ comparison.draw(scene).save("arch-structure.png")
 #
 #     H (z_c - z_i) >= M_i   and   H (z_c - z_e) <= M_e.
 #
-# Take any inner edge and any outer edge, subtract, and z_c is gone: H (z_e - z_i) >= M_i - M_e. Where z_e > z_i this is a lower limit of
-# H, where z_e < z_i an upper one. The sharpest of each kind are the least and the greatest thrust.
+# Subtract the condition of any outer edge from that of any inner edge. The height z_c cancels: H (z_e - z_i) >= M_i - M_e. Where z_e > z_i
+# this is a lower limit of H, where z_e < z_i an upper limit. The largest lower limit is the least thrust, and the smallest upper limit
+# is the greatest thrust.
 
 
 # %%
 def thrusts(thickness: float) -> tuple[float, float]:
-    """Least and greatest thrust over the weight of the arch, by lines of thrust; none fits where the first is the greater one."""
+    """Least and greatest thrust over the weight of the arch, by lines of thrust; no line fits where the least is above the greatest."""
     joint = np.linspace(0.0, np.pi / 2.0, voussoirs // 2 + 1)  # angle from the crown
     half, middle = joint[1] / 2.0, (joint[1:] + joint[:-1]) / 2.0
     inner, outer = radius - thickness / 2.0, radius + thickness / 2.0
@@ -55,9 +56,9 @@ assert abs(sharp.greatest / scene.weight - by_hand[1]) < 1e-6
 # %% [markdown]
 # ## Which one is it?
 #
-# The springing spreads, so the arch leans on it as little as it can: the least thrust. Three hinges open, at the crown and at both
-# haunches: at each, one of the two contact points of the joint parts. An arch with three hinges still stands, and can follow; that is why
-# arches survive springings that spread. No joint slides.
+# The springing spreads, so the arch pushes on it as little as it can: with the least thrust. Three hinges open, at the crown and at both
+# haunches. At each hinge one of the two contact points of the joint opens. An arch with three hinges still stands and can follow the
+# springing. This is why arches survive springings that spread. No joint slides.
 
 # %%
 result = comparison.run(scene, "results", quiet=True)
@@ -70,8 +71,8 @@ assert (measures["opening"], measures["sliding"]) == (3, 0)
 result.plot("mechanisms").save("arch-mechanisms.png")
 
 # %% [markdown]
-# The next figure draws the line of thrust itself, through the centres of pressure of all joints. It touches the outer edge at the crown
-# and the inner edge at both haunches: these are the hinges.
+# The next figure shows the line of thrust itself, through the centres of pressure of all joints. It touches the outer edge at the crown
+# and the inner edge at both haunches. These points are the hinges.
 
 # %%
 result.plot("forces").save("arch-thrust.png")
@@ -82,8 +83,8 @@ result.plot("reaction").save("arch-reaction.png")
 # %% [markdown]
 # ## How thin may it be?
 #
-# A thinner arch leaves less room: least and greatest thrust approach each other. Where they meet, one line of thrust is left. Below
-# that, none fits, and limit analysis proves that the arch falls.
+# A thinner arch leaves less room for lines of thrust: the least and the greatest thrust approach each other. Where they meet, only one
+# line of thrust fits. In a still thinner arch none fits, and limit analysis proves that the arch falls.
 
 # %%
 low, high = 0.1, thickness
@@ -105,8 +106,8 @@ for share, expected in ((1.002, la_core.Status.SOLVED), (0.998, la_core.Status.I
 #
 # Build the same arch twice as large in all three directions, of the same stone. What becomes of its thrust?
 #
-# **Answer.** H over W does not change, for it is made of ratios of lengths. W grows as the volume, by 8. So does the thrust. The joints
-# grow by 4 only: stress doubles. Stability does not depend on size, strength does.
+# **Answer.** H over W does not change, because it depends only on ratios of lengths. W grows with the volume, by a factor of 8, and so does
+# the thrust. The areas of the joints grow only by a factor of 4, so the stresses double. Stability does not depend on size. Strength does.
 
 # %%
 double = {"arch[0].radius": 2.0 * radius, "arch[0].thickness": 2.0 * thickness, "arch[0].depth": 0.8, "joint.inset": 0.0}

@@ -1,10 +1,10 @@
 # %% [markdown]
 # # 5. Reading disagreement
 #
-# A cross-check is worth its price on the day it says no. Here it is made to say no three times, each time by a mistake that people make.
+# A cross-check pays off when it finds an error. This tutorial makes three common mistakes, and the cross-check notices each of them.
 # After a run of both methods a structure that stands gets one of three verdicts. *Agree*: every check passed. *Disagree*: a check failed,
-# so something is wrong. *Inconclusive*: nothing is known to be wrong, but agreement cannot be claimed. The verdict is a word; the reason
-# is what you work with.
+# so something is wrong. *Inconclusive*: nothing is known to be wrong, but agreement cannot be claimed. The reason of the verdict says
+# what to look at.
 
 # %%
 import comparison
@@ -15,7 +15,7 @@ pads, blocks = la_core.load("two_pads"), la_core.load("two_blocks")
 # %% [markdown]
 # ## A hand calculation that is wrong
 #
-# A colleague puts the forces of the two pads at their middles, x = 0.2 m and x = 0.75 m, and writes down what should come out:
+# A colleague puts the forces of the two pads at their middles, x = 0.2 m and x = 0.75 m, and writes down the expected reaction:
 # R = W (0.5 - 0.2) / (0.75 - 0.2).
 
 # %%
@@ -26,8 +26,9 @@ print(first)
 assert first.verdict == "unexpected"
 
 # %% [markdown]
-# Not the program is at fault. The state is in equilibrium, it lies between the bounds, and the pads may carry it before anything moves.
-# But it belongs to no mechanism: once the pad settles, the block touches at edges, and R = W / 6.
+# The program is not at fault. The colleague's state is in equilibrium. Its reaction lies between the bounds, and the pads may carry the
+# block in this way before anything moves. But the state belongs to no mechanism: once the pad settles, the block touches the pads at
+# edges, and R = W / 6.
 
 # %%
 answer = first.answer
@@ -36,7 +37,7 @@ assert answer.least < middles * pads.weight < answer.greatest
 # %% [markdown]
 # ## A model that leaves out what happens
 #
-# That joints do not slide is Heyman's assumption, and a good one for arches. Take it to the two blocks side by side.
+# Heyman assumed that joints do not slide. This is a good assumption for arches. Apply it to the two blocks side by side.
 
 # %%
 assumed = {"title": "Two blocks, sliding excluded in limit analysis", "effects.friction": "none-slides", "path": None}
@@ -48,11 +49,11 @@ second.plot("mechanisms").save("disagreement-mechanisms.png")
 
 # %% [markdown]
 # Without sliding the right block cannot slip down along its neighbour. It hangs on the joint and tips about it: moments about the joint
-# give R = W_b / 2. In YADE it slides, and the pad carries all of W_b. Three things give the mistake away: the reason says that joints
+# give R = W_b / 2. In YADE it slides, and the pad carries all of W_b. Three things reveal the mistake: the reason says that joints
 # slide, the mechanisms differ in the figure, and the reactions differ by a factor of two.
 #
-# Why not *disagree*? Because a calculation without sliding is a lower bound here, and YADE lies above it. Nothing is contradicted. It is
-# just no prediction.
+# Why not *disagree*? A calculation without sliding is a lower bound here, and YADE's reaction lies above it. The two do not contradict
+# each other: the bound is just not a prediction.
 
 # %%
 block = 0.5 * blocks.weight
@@ -64,7 +65,7 @@ assert abs(second.yade.reaction / block - 1.0) < 2e-3
 # %% [markdown]
 # ## A run that is too fast
 #
-# YADE's answer is that of a slow settlement, as long as the settlement is slow. Drive the pad at 20 mm/s instead of 0.4 mm/s.
+# YADE's answer is that of a slow settlement only if the settlement is slow. Drive the pad at 20 mm/s instead of 0.4 mm/s.
 
 # %%
 third = comparison.run(la_core.variant(pads, {"yade.speed": 0.02}, "pads_in_a_hurry"), "results", quiet=True)
@@ -73,17 +74,17 @@ assert third.verdict == "inconclusive"
 third.plot("reaction").save("disagreement-too-fast.png")
 
 # %% [markdown]
-# The support is gone before the block can follow. The force on the support is steady, at 0, but the block is in the air: its weight is
-# not in balance with the forces on it. A steady value alone is no answer, so the verdict is *inconclusive*. Slow down and look again,
-# before you blame either method: at 0.4 mm/s the two agree, as the first tutorial shows.
+# The support moves away before the block can follow. The force on the support is steady, at 0, but the block is in the air: its weight is
+# not in balance with the forces on it. A steady value alone is no answer, so the verdict is *inconclusive*. Run the scene again at a lower
+# speed before you blame either method: at 0.4 mm/s the two agree, as the first tutorial shows.
 
 # %% [markdown]
 # ## Question
 #
 # Is Heyman's assumption right on the two blocks if friction is high, say mu = 0.9?
 #
-# **Answer.** No. The joint between the blocks is not pressed, and 0.9 times nothing is nothing: the pad carries W_b, as with mu = 0.3.
-# The assumption needs joints that a thrust holds together, not rough ones.
+# **Answer.** No. The joint between the blocks carries no normal force, so it carries no friction either: the pad carries W_b, as with
+# mu = 0.3. The assumption needs joints that a thrust presses together. Rough joints are not enough.
 
 # %%
 for friction in (0.3, 0.6, 0.9):

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 2. Why associated friction is wrong
 #
-# Limit analysis is at its best with an *associated* flow rule: then bounds exist and one optimisation finds them. For friction this
-# rule says that a joint which slides also opens, by mu times the slip. Stone does not do that. Two blocks show what it costs.
+# Limit analysis is strongest with an *associated* flow rule: then bounds exist and one optimisation finds them. For friction this
+# rule says that a joint which slides also opens, by mu times the slip. Stone does not do that. Two blocks show the error.
 
 # %%
 import comparison
@@ -15,13 +15,13 @@ comparison.draw(scene).save("friction-structure.png")
 # ## By hand, as stone does it
 #
 # Two equal blocks stand side by side, each on a pad of its own. The right pad settles. Nothing presses the blocks together, so the joint
-# between them carries no normal force, hence no friction. The right pad carries its block: R = W_b.
+# between them carries no normal force and no friction. The right pad carries its block: R = W_b.
 #
 # ## By hand, by the associated rule
 #
-# The pad moves down by 1, the block by v. It slides down along its neighbour by v, so it must move off sideways by mu v. Then it slides
-# on its pad by mu v, so it must rise from the pad by mu² v. Hence 1 = v + mu² v. The work of the weight, W_b v, is the work of the
-# reaction, R times 1:
+# The pad moves down by 1, the block by v. The block slides down along its neighbour by v, so it must move off sideways by mu v. Then it
+# slides on its pad by mu v, so it must rise from the pad by mu² v. Hence 1 = v + mu² v. The work of the weight, W_b v, equals the work of
+# the reaction, R times 1:
 #
 #     R = W_b / (1 + mu²)
 #
@@ -38,7 +38,7 @@ assert abs(answer.least - associated) < 1e-6 * scene.weight
 assert abs(answer.coulomb - coulomb) < 1e-3 * scene.weight  # joints are a little elastic in the prediction
 
 # %% [markdown]
-# The mechanism of the associated rule gives it away: the right block moves sideways, and rises from its pad while it slides on it.
+# The mechanism of the associated rule shows the error: the right block moves sideways, and rises from its pad while it slides on the pad.
 
 # %%
 rule = {"title": "The same, friction that dilates", "effects.friction": "associated", "path": None}
@@ -62,8 +62,8 @@ result.plot("mechanisms").save("friction-mechanisms.png")
 result.plot("reaction").save("friction-reaction.png")
 
 # %% [markdown]
-# The associated answer is not useless. It is a bound: no state within Coulomb's cone carries less. It is just not a prediction.
-# Bound and prediction part ways as friction grows:
+# The associated answer is not useless. It is a bound: no state within Coulomb's cone has a smaller reaction. It is just not a prediction.
+# The difference between bound and prediction grows with the friction:
 
 # %%
 print("   mu   associated R/W_b   Coulomb R/W_b")
@@ -77,8 +77,8 @@ for mu in (0.2, 0.4, 0.6, 0.8):
 #
 # Which share of the right block does the associated rule hang on its neighbour when mu = 0.75?
 #
-# **Answer.** 1 - 1 / (1 + 0.75²) = 0.36. In truth: nothing. (From mu = 1 on the rule finds it easier to tip the block about the joint than
-# to slide it, and the share stays at one half.)
+# **Answer.** 1 - 1 / (1 + 0.75²) = 0.36. The true share is 0. (From mu = 1 on, the block of the associated rule tips about the joint
+# instead of sliding, and the share stays at one half.)
 
 # %%
 rough = la_core.solve(la_core.variant(scene, {"joint.friction": 0.75}))

@@ -3,8 +3,8 @@
 #
 # A block lies on two pads. The right pad settles. How much does it still carry?
 #
-# Before anything moves, nobody can say: a rigid block on more than two points is indeterminate. As soon as the pad gives way, the block
-# turns, all but two contact points open, and statics alone decides. That is what limit analysis is about.
+# Before anything moves, the answer is unknown: a rigid block on more than two points is statically indeterminate. As soon as the pad gives
+# way, the block turns, and all but two contact points open. Statics alone then gives the reaction. Limit analysis finds such answers.
 
 # %%
 import comparison
@@ -22,7 +22,7 @@ comparison.draw(scene).save("pads-structure.png")
 #     W (0.5 - 0.4) = R (1.0 - 0.4), so R = W / 6.
 #
 # Push the pad up instead, and the block turns about its left end, x = 0, on the near edge of the pad, x = 0.5 m, under the centroid.
-# Then R = W. Every reaction between W / 6 and W is in equilibrium; only motion picks one.
+# Then R = W. Every reaction between W / 6 and W is in equilibrium. Only a motion selects one of them.
 
 # %%
 least, greatest = (0.5 - 0.4) / (1.0 - 0.4), (0.5 - 0.0) / (0.5 - 0.0)
@@ -32,8 +32,8 @@ assert abs(answer.least_sharp / scene.weight - least) < 1e-6
 assert abs(answer.greatest_sharp / scene.weight - greatest) < 1e-6
 
 # %% [markdown]
-# *Sharp* is the block with perfect edges. Real edges are rounded, and a computer needs a little room, so both methods draw the contact
-# points in by an *inset* of 1 mm. The lever arms change by up to 1 mm, and the hand calculation can follow:
+# *Sharp* means a block with perfect edges. Real edges are rounded, and a computer needs a little room, so both methods draw the contact
+# points in by an *inset* of 1 mm. The lever arms change by up to 1 mm. The hand calculation can take this into account:
 
 # %%
 inset = scene.inset
@@ -45,7 +45,7 @@ assert abs(answer.least / scene.weight - rounded) < 1e-6
 # ## The second opinion
 #
 # YADE knows nothing of moments about a point. It lays the block on both pads, lets it come to rest, drives the right pad down and
-# records the force. The reaction falls from what it was at rest to a plateau. The plateau is the answer.
+# records the force. The reaction falls from its value at rest to a plateau. The plateau is the answer.
 
 # %%
 result = comparison.run(scene, "results", quiet=True)
@@ -57,8 +57,8 @@ result.plot("reaction").save("pads-reaction.png")
 result.plot("mechanisms").save("pads-mechanisms.png")
 
 # %% [markdown]
-# In both mechanisms the block turns about the end of the fixed pad. Open circles mark the points that open; no point slides. So friction
-# has no part in it, and another friction must give the same reaction:
+# In both mechanisms the block turns about the end of the fixed pad. Open circles mark the points that open. No point slides, so friction
+# plays no part, and another friction coefficient must give the same reaction:
 
 # %%
 slippery = la_core.solve(la_core.variant(scene, {"joint.friction": 0.2}))
@@ -69,8 +69,8 @@ assert abs(slippery.least_sharp - answer.least_sharp) < 1e-6 * scene.weight
 #
 # The fixed pad is cut back to 0.2 m. What does the settling pad carry now?
 #
-# **Answer.** Moments about x = 0.2 m: R = W (0.5 - 0.2) / (1.0 - 0.2) = 0.375 W. Less support on the left, more load on the right, though
-# it is the right pad that settles.
+# **Answer.** Moments about x = 0.2 m: R = W (0.5 - 0.2) / (1.0 - 0.2) = 0.375 W. With less support on the left, the right pad carries more,
+# although it settles.
 
 # %%
 shorter = la_core.variant(scene, {"block[0].box.to": [0.2, 0.2, 0.0]})

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 6. What pushes a wall over
 #
-# An earthquake shakes a wall sideways. As a first step engineers push it instead: every block by the same share of its weight. The share
-# at which the wall fails is the *multiplier*. This tutorial finds it for a block, a wall, a block with a tie, a tilted block and a block
-# under a floor.
+# An earthquake shakes a wall sideways. As a first step engineers push the wall instead: they push every block by the same share of its
+# weight. The share at which the wall fails is the *multiplier*. This tutorial finds it for a block, a wall, a block with a tie, a tilted
+# block and a block under a floor.
 
 # %%
 import math
@@ -29,8 +29,8 @@ comparison.draw(block(0.9)).save("push-structure.png")
 # ## By hand: a block
 #
 # The push is the multiplier a times the weight W. The block *slides* when a W = mu W, so at a = mu. It *tips* about its lower corner when
-# the moment of the push about it, a W h / 2, equals that of the weight, W b / 2: at a = b / h. The smaller of the two decides. Here edges
-# are a little rounded, by an inset i, so the lever arm of the weight is b / 2 - i.
+# the moment of the push about this corner, a W h / 2, equals that of the weight, W b / 2, so at a = b / h. The smaller a decides. Here
+# the edges are a little rounded, by an inset i, so the lever arm of the weight is b / 2 - i.
 
 # %%
 tips = (b / 2.0 - inset) / (h / 2.0)
@@ -43,7 +43,7 @@ for mu in (0.3, 0.5, 0.7, 0.9):
 # %% [markdown]
 # ## The second opinion
 #
-# YADE pulls the block at constant speed and records the force that this takes: the multiplier climbs, and stays where the block tips.
+# YADE pulls the block at constant speed and records the necessary force. The multiplier rises, and stays constant while the block tips.
 
 # %%
 result = comparison.run(block(0.9), "results", quiet=True)
@@ -56,8 +56,8 @@ result.plot("reaction").save("push-multiplier.png")
 # %% [markdown]
 # ## A wall is not one block
 #
-# If the wall below were one stone, it would tip at its breadth over its height. But its joints open and slide: the wall leaves a part of
-# itself behind, and fails earlier. Associated friction, which dilates, gives an upper bound.
+# If the wall below were one stone, it would tip at a multiplier of its breadth over its height. But its joints open and slide: a part of
+# the wall stays behind, and the wall fails at a smaller multiplier. Associated friction, which dilates, gives an upper bound.
 
 # %%
 masonry = {
@@ -84,7 +84,7 @@ pushed.plot("mechanisms").save("push-mechanisms.png")
 # %% [markdown]
 # ## A tie
 #
-# A rod under the tension T holds the top of the block against the push. Its moment about the corner is T h, so that
+# A rod under the tension T holds the top of the block against the push. The moment of T about the corner is T h, so that
 #
 #     a W h / 2 = W b / 2 + T h,   a = b / h + 2 T / W.
 
@@ -98,8 +98,8 @@ assert abs(held.coulomb - (tips + 0.1)) < 1e-3
 # %% [markdown]
 # ## A tilting table
 #
-# In a laboratory one tilts the table on which the model stands. At the angle t the weight has a part W sin t along the table and a part
-# W cos t across it. Their ratio is tan t: the multiplier. So the push of a structure is found with a hinge and a jack.
+# In a laboratory the table on which the model stands is tilted. At the angle t the weight has a component W sin t along the table and a
+# component W cos t across it. Their ratio, tan t, is the multiplier. A hinge and a jack are thus enough to measure it.
 
 # %%
 tilted = la_core.solve(block(0.9, tilt={"axis": [0.0, 1.0, 0.0]}))
@@ -112,9 +112,9 @@ assert abs(angle - math.degrees(math.atan(tips))) < 0.05
 #
 # A floor as heavy as the block lies on the middle of its top. It presses the block down. Does the block bear more push, or less?
 #
-# **Answer.** Less. The floor doubles the weight that holds the block, 2 W b / 2, but it is pushed, too, and at the top, where the lever arm
-# is h instead of h / 2: a (W h / 2 + W h) = 2 W b / 2, so a = 2/3 b / h. Mass up high pushes a wall over. A tie from the floor
-# to the wall behind would hold it.
+# **Answer.** Less. The floor doubles the moment of the weight that holds the block, to 2 W b / 2. But the floor is pushed, too, and its
+# lever arm is h instead of h / 2: a (W h / 2 + W h) = 2 W b / 2, so a = 2/3 b / h. Mass high up makes a wall fall at a smaller push. A tie
+# from the floor to the wall behind would hold it.
 
 # %%
 floor = {"name": "floor", "blocks": ["block"], "mass": weight / 9.81, "at": [b / 2.0, 0.15, h]}

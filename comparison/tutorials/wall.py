@@ -3,7 +3,7 @@
 #
 # A wall in running bond stands on a base in two parts. The right part settles. A stepped wedge of blocks goes down with it. The wall
 # above spans over the wedge, as masons know. The settling part carries the weight of the wedge, less the friction that holds the wedge
-# back at its flanks. How large this friction is depends on what happened before.
+# back at its flanks. The size of this friction depends on all earlier motions.
 
 # %%
 import comparison
@@ -28,11 +28,11 @@ comparison.draw(scene).save("wall-structure.png")
 # %% [markdown]
 # ## By hand
 #
-# Every course is laid half a block farther, so the wedge loses half a block a course: one block in the lowest course, half a block in the
-# next, nothing above. The wall weighs 16 blocks, the wedge 1.5.
+# Every course is shifted by half a block, so the wedge loses half a block a course: it has one block in the lowest course, half a block in
+# the next, and nothing above. The wall weighs as much as 16 blocks, the wedge as much as 1.5.
 #
-# - If its flanks carry nothing, R = 1.5 / 16 W. Friction on a wedge that goes down can only hold it back, so this is the most.
-# - If its flanks slide by the associated rule, R = 1.5 / 16 W / (1 + mu²), as for the two blocks side by side. This is a bound: the least.
+# - If its flanks carry nothing, R = 1.5 / 16 W. Friction can only hold back a wedge that goes down, so this is the greatest reaction.
+# - If they slide by the associated rule, R = 1.5 / 16 W / (1 + mu²), as for the two blocks side by side. This bound is the least reaction.
 
 # %%
 wedge = 1.5 / 16.0 * scene.weight
@@ -45,9 +45,9 @@ assert abs(answer.least / wedge * (1.0 + friction**2) - 1.0) < 1e-5
 assert abs(high / wedge - 1.0) < 1e-3
 
 # %% [markdown]
-# Between the two, the mechanism is the same and statics is silent: friction at the flanks may stand anywhere within its cone. The
-# prediction picks the state that elastic joints reach when the base settles steadily from rest. Its uncertainty comes from paths of
-# different viscosity and from the change that is left in their curves.
+# Between the two values the mechanism is the same, and statics does not decide: the forces at the flanks may lie anywhere within
+# Coulomb's cone. The prediction is the state that elastic joints reach when the base settles steadily from rest. Its uncertainty comes
+# from paths of different viscosity and from the remaining change of their curves.
 #
 # ## The second opinion
 #
@@ -65,13 +65,13 @@ result.plot("mechanisms").save("wall-mechanisms.png")
 result.plot("reaction").save("wall-reaction.png")
 
 # %% [markdown]
-# The figure shows the whole way: at rest the base carries its share of the wall, then the reaction falls and stays. Limit analysis
-# followed the same way without inertia: its curve is dashed.
+# The figure shows the whole settlement: at rest the base carries its share of the wall, then the reaction falls and stays constant. Limit
+# analysis followed the same settlement without inertia. Its curve is dashed.
 #
 # ## Another history
 #
 # Lift the same base by a twentieth of a millimetre before the wall comes to rest, then let it settle. The stones, the joints and the
-# mechanism are the same. The state of friction at the flanks is not.
+# mechanism are the same. The friction at the flanks is different.
 
 # %%
 lifted = comparison.run(la_core.variant(scene, {"yade.wedging": 5e-5, "path": None}, "lifted_wall"), "results", quiet=True)
@@ -91,8 +91,8 @@ print(f"YADE's base carries {100.0 * more:.0f} % more than without the lift")
 #
 # The joints are wet, mu = 0.3. Between which values does history decide now?
 #
-# **Answer.** The wedge still weighs 1.5 blocks: the upper end stays at 1.5 / 16 = 0.0938 W. The lower end is 0.0938 / (1 + 0.3²) =
-# 0.0860 W. Less friction leaves less to history.
+# **Answer.** The wedge still weighs as much as 1.5 blocks: the upper end stays at 1.5 / 16 = 0.0938 W. The lower end is
+# 0.0938 / (1 + 0.3²) = 0.0860 W. With less friction, the history has less influence.
 
 # %%
 wet = la_core.solve(la_core.variant(scene, {"joint.friction": 0.3, "path": None}))
