@@ -44,7 +44,7 @@ CHANGE_COLUMNS = ("case", "what", "before", "after", "difference", "allowed")
 class CampaignResult(Tabled):
     """Results of a campaign.
 
-    `print(result)` shows one row a case, and so does a notebook.
+    `print(result)` shows one row for each case, and so does a notebook.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class CampaignResult(Tabled):
     title : str
         Title of the campaign.
     rows : list of dict
-        One row a case that ended, with the columns of results.csv, and "folder", the folder of its report below `folder`;
+        One row for each case that ended, with the columns of results.csv, and "folder", the folder of its report below `folder`;
         None is undefined. Reactions are in N or N m.
     unfinished : str
         Sentence on the number of ended cases of an interrupted campaign; "" where all cases have ended.
@@ -71,7 +71,7 @@ class CampaignResult(Tabled):
         Returns
         -------
         pandas.DataFrame
-            One row a case, with the keys of `rows`.
+            One row for each case, with the keys of `rows`.
 
         Raises
         ------
@@ -92,13 +92,13 @@ class CampaignResult(Tabled):
 class CampaignChanges(Tabled):
     """Differences between two campaigns beyond the stated uncertainties.
 
-    `print(changes)` shows one row a change, and so does a notebook.
+    `print(changes)` shows one row for each change, and so does a notebook.
 
     Attributes
     ----------
     changes : list of dict
-        One row a change: "case", "what" changed, its value "before" and "after", their "difference" and the difference "allowed" by
-        the stated uncertainties; weights and reactions in N or N m, None where undefined.
+        One row for each change: "case", "what" changed, its value "before" and "after", their "difference" and the difference "allowed"
+        by the stated uncertainties; weights and reactions in N or N m, None where undefined.
     only_before : list of str
         Cases that only the first campaign has.
     only_after : list of str
@@ -123,7 +123,7 @@ class CampaignChanges(Tabled):
         Returns
         -------
         pandas.DataFrame
-            One row a change.
+            One row for each change.
 
         Raises
         ------
@@ -166,7 +166,7 @@ def run_campaign(
     Returns
     -------
     CampaignResult
-        One row a case.
+        One row for each case.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def read_campaign(folder: Path | str) -> CampaignResult:
     Returns
     -------
     CampaignResult
-        One row a case.
+        One row for each case.
 
     Raises
     ------

@@ -25,7 +25,7 @@ MOST_WORKERS = 1000
 
 
 class SettingError(SceneError):
-    """An invalid setting; the message says file or variable, key, value, rule and what to do next."""
+    """An invalid setting; the message gives file or variable, key, value, rule and next step."""
 
 
 def _path(value: object) -> object:

@@ -17,7 +17,7 @@ from la_core.text_table import exists
 
 Row = dict[str, Any]
 FAILED = "failed"
-LIMIT = "limit"  # prediction of limit analysis: by Coulomb's law if the case has it, else by the associated one
+LIMIT = "limit"  # prediction of limit analysis: the Coulomb prediction if the case has it, else the associated answer
 WORDS = ANSWERS | {LIMIT: "limit analysis"}
 
 

@@ -62,7 +62,7 @@ def parse(whole: GuessingParser, arguments: Sequence[str] | None = None) -> argp
 
 
 def _added(options: argparse.Namespace, rest: Sequence[str], chosen: argparse.ArgumentParser) -> bool:
-    """Add scenes or folders behind an option to those before it, the only ones that argparse takes; False where `rest` is not of these."""
+    """Add scenes or folders behind an option to those before it, the only ones that argparse takes; False for any other `rest`."""
     several = [action for action in chosen._actions if action.nargs == "+"]
     end = rest.index("--") if "--" in rest else len(rest)
     if not several or any(word.startswith("-") for word in rest[:end]):

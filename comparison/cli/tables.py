@@ -21,7 +21,7 @@ VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narro
 
 
 def scene_table(scenes: list[Scene], width: int, long: bool = False) -> Table:
-    """Return a table of scenes with their expected values, one row a scene of at most `width` columns; long: also kind and source."""
+    """Return a table of scenes and expected values, one row for each scene, at most `width` columns wide; long: also kind and source."""
     table = new_table("scene", "blocks", "title", "expected", *(("kind", "source") if long else ()))
     _keep_names_whole(table, [scene.name for scene in scenes])
     rows = []

@@ -129,7 +129,7 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
 
 
 def end_words(run: Run, weight: float) -> str:
-    """Return how and why the last attempt of a run ended, in the units of a report of a structure of this weight, N."""
+    """Return the status of a run and the reason why its last attempt ended, in a report's units for a structure of this weight, N."""
     last, *_ = str(run.result["message"]).split(EARLIER_ATTEMPT)
     return Units(weight).words(f"{run.status}: {last}")
 

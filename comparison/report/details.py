@@ -14,7 +14,7 @@ MEASURES = (
 
 
 def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str], units: Units) -> Iterator[dict[str, str]]:
-    """Yield accuracy, work and seconds of each method's answer, one row a method.
+    """Yield accuracy, work and seconds of each method's answer, one row for each method.
 
     Parameters
     ----------

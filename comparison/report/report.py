@@ -99,7 +99,7 @@ def write_report(
 
 
 def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[str, str]) -> dict[str, str]:
-    """Return title, project, author and date of a report; "" for what is unknown.
+    """Return title, project, author and date of a report; "" for an unknown one.
 
     Chosen words come first, then those on which the scenes agree. Where neither has a date, it is the day of the latest stored result.
     """

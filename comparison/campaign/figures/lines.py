@@ -155,7 +155,7 @@ def _draw_bands(axes: Any, rows: list[Row], place: list[float], low: np.ndarray,
 
 
 def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.ndarray, k: int, count: int) -> None:
-    """Draw the intervals of one of several lines, slightly beside its marks and those of other lines."""
+    """Draw the intervals of a line, slightly beside its own marks and those of other lines."""
     beside = ScaledTranslation(DODGE * (k - (count - 1) / 2.0) / 72.0, 0.0, axes.figure.dpi_scale_trans)
     style = {"color": shade(LIMIT_ANALYSIS, k, count), "linewidth": 1.1, "alpha": 0.7, "zorder": 2}
     for x, bottom, top in zip(place, *np.clip([low, high], -OUTSIDE, OUTSIDE), strict=True):

@@ -106,7 +106,7 @@ def _plain(value: object) -> object:
 
 
 def requirements() -> list[tuple[str, str, str]]:
-    """Return the packages that this installation declares: name, allowed versions, and extra, "" for those that it needs."""
+    """Return the packages that this installation declares: name, allowed versions, and extra; "" for a package that it needs."""
     try:
         declared = importlib.metadata.requires("crosscheck-masonry") or []
     except importlib.metadata.PackageNotFoundError:
