@@ -1,18 +1,20 @@
 """The attempts of a run: quick ones that find damping and stiffness, then slower ones until the speed hardly matters.
 
-The first attempt moves `quick_speed` times as fast as the run. How it ends decides what follows:
+The first attempt moves `quick_speed` times as fast as the run. Its end decides on the next attempt:
 
-- Its blocks rattle: the next attempt damps the swing of the blocks, which leaves the time step as it is. Where blocks rattle even then, the
-  contacts get critical damping, too, and steps are a third as long. Where one of a hundred blocks or more jumps even so, two attempts with
-  the light dashpots follow, at a half and a quarter of the run's speed; where these fail, that at the run's speed with critical damping.
-  (A large plane structure, whose swing is damped at once, keeps its dashpots: on a wall of 1,008 blocks both gave the same reaction.)
-- Its curve still creeps at the end of the travel: the next attempt has stiffer joints, because only travel over the elastic sag counts.
-- It sticks and slips: the next attempt damps the swing.
-- Otherwise the attempt at the run's own speed follows, and a slower one where this one still sticks and slips, or its speed matters much.
+- The blocks rattle: the next attempt damps the swing of the blocks, which does not change the time step. If blocks still rattle, the
+  contacts get critical damping, too, and the time step is a third as long. If a block still jumps in a structure of at least a hundred
+  blocks, two attempts with the light dashpots follow, at a half and a quarter of the run's speed. If these fail, the last attempt has the
+  run's speed and critical damping. (A large plane structure has a damped swing from the start and keeps its dashpots. On a wall of
+  1,008 blocks both dampings gave the same reaction.)
+- The curve still creeps at the end of the travel: the next attempt has stiffer joints, because only the travel over the elastic sag counts.
+- The blocks stick and slip: the next attempt damps the swing.
+- Otherwise the attempt at the run's own speed follows. A slower one follows if this attempt still sticks and slips, or if its speed
+  changes the reaction much.
 
-The difference between two speeds gives the part of the speed in the uncertainty. The effect is taken to grow with the root of the speed, as
-that of friction's history nearly does; an effect that grows with the speed itself, such as drag, is then overestimated. The noise of the
-quicker attempt is added, because it may hide a small difference.
+The difference between two speeds gives the part of the uncertainty that is due to the speed. The effect of the speed is assumed to grow
+with the root of the speed, as the effect of friction's history nearly does. An effect in proportion to the speed, such as drag, is then
+overestimated. The noise of the quicker attempt is added, because it may hide a small difference.
 """
 
 import math
@@ -28,25 +30,27 @@ from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
 from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_large, is_long, most_steps, slowness
 
-STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
-SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
-SLOW_PAIR = 4.0  # time steps of both slow attempts over those of a quick critical one: 12 times its duration, in steps 3 times as long
+STIFFER, MOST_STIFFENING = 4.0, 64.0  # factor on the stiffness from one attempt to the next; largest stiffening
+SLOWER, SLOWEST = 0.25, 0.25  # factor on the speed from one attempt to the next; least speed over that of the run
+# Number of time steps of both slow attempts over that of a quick attempt with critical dashpots: the slow ones last 12 times as long, and
+# their time steps are 3 times as long.
+SLOW_PAIR = 4.0
 
 
 @dataclass(frozen=True)
 class Attempts:
-    """What the attempts came to.
+    """The result of all attempts of a run.
 
     Attributes
     ----------
     last : Protocol
         The attempt that counts.
     outcome : Outcome
-        Its reaction, with the part of the speed.
+        Reaction of this attempt, with the part of its uncertainty that is due to the speed.
     steps : int
         Time steps of all attempts.
     message : str
-        How the last one ended, and what the others were.
+        Why the last attempt ended, and the settings and ends of the others.
     """
 
     last: Protocol
@@ -57,16 +61,16 @@ class Attempts:
 
 @dataclass(frozen=True)
 class Plan:
-    """An attempt to be made.
+    """The plan of the next attempt.
 
     Attributes
     ----------
     pace : float
-        Its speed over that of the run.
+        Speed of the attempt over that of the run.
     stiffening, damping, swing : float or None
-        Stiffening and both dampings; None for the derived ones.
+        Stiffening of the joints, damping ratio of the contacts, and damping ratio of the swing; None for the derived value.
     own : float
-        Speed of the attempt that counts, over that of the run; a quicker one comes before it.
+        Speed of the attempt that counts, over that of the run; a quicker attempt comes before it.
     """
 
     pace: float
@@ -77,30 +81,31 @@ class Plan:
 
 
 class WithoutSearch:
-    """Makes attempts without the search for new contacts, until one of them shows that it is needed.
+    """Makes attempts without YADE's search for new contacts, until an attempt shows that the search is needed.
 
     Parameters
     ----------
     run : callable
-        Makes one attempt with given settings and pace; with faces near the spheres it ends where one of them may be met.
+        Makes one attempt with given settings and pace. If it also gets the faces near the spheres, the attempt ends where a sphere may
+        touch one of them.
     """
 
     def __init__(self, run: Callable[[Case, Settings, float, NearFaces | None], Protocol]) -> None:
         self._run, self._searches = run, False
 
     def __call__(self, case: Case, settings: Settings, pace: float) -> Protocol:
-        """Make one attempt, a second time where it needs the search. pace: its speed over that of the attempt that counts."""
+        """Make one attempt, and repeat it if it needs the search. pace: its speed over that of the attempt that counts."""
         if case.displacement == "small":
             return self._run(case, settings, pace, None)
         dropped = 0
         if all(box is not None for box in case.boxes) and is_long(case):
-            self._searches = True  # among boxes the search costs a fifth of a step, and an attempt in vain would take minutes
+            self._searches = True  # between boxes the search costs a fifth of a step; an attempt that must be repeated would cost minutes
         if not self._searches:
             made = self._run(replace(case, displacement="small"), settings, pace, NearFaces(case, settings))
             if not made.met_face:
                 return made
             self._searches, dropped = True, made.steps
-        # The stable step is that of the listed contacts. A block that meets another one swings faster.
+        # The stable time step is derived from the listed contacts alone. A block that touches another one swings faster.
         made = self._run(case, replace(settings, settling_step=min(settings.settling_step, settings.time_step)), pace, None)
         made.dropped_steps = dropped
         made.message += "; YADE looked for new contacts"
@@ -108,11 +113,13 @@ class WithoutSearch:
 
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings, float], Protocol]) -> Attempts:
-    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings and pace, its speed over that of
-    the attempt that counts.
+    """Make the attempts of a case.
+
+    derived: settings of the case. run: makes one attempt with given settings and pace, which is its speed over that of the attempt that
+    counts.
     """
-    large = is_large(case)  # once for all attempts: more damping makes more steps
-    if large and derived.swing_damping > 0.0:  # it keeps its dashpots
+    large = is_large(case)  # decided once for all attempts, because more damping needs more time steps
+    if large and derived.swing_damping > 0.0:  # a large structure with a damped swing keeps its dashpots
         case = replace(case, overrides=case.overrides | {"damping_ratio": derived.damping_ratio})
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
@@ -131,7 +138,7 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings, float], P
 
 
 def settings_of(case: Case, derived: Settings, plan: Plan, large: bool | None = None) -> Settings:
-    """Return the settings of an attempt. derived: those of the case, which a plan with its own speed alone keeps."""
+    """Return the settings of an attempt. derived: settings of the case; a plan that changes only the speed keeps all others."""
     given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping, "swing_damping": plan.swing}
     changed = {name: value for name, value in given.items() if value is not None}
     settings = derive(replace(case, overrides=case.overrides | changed), large) if changed else derived
@@ -141,7 +148,7 @@ def settings_of(case: Case, derived: Settings, plan: Plan, large: bool | None = 
 
 
 def _with_rate(attempt: Protocol, before: Protocol | None) -> Outcome:
-    """Return the outcome of an attempt, with the part of the speed from the quicker one before."""
+    """Return the outcome of an attempt, with the uncertainty due to the speed from a quicker attempt before it."""
     now = attempt.settings
     alike = ("stiffening", "damping_ratio", "swing_damping")
     if before is None or any(getattr(before.settings, name) != getattr(now, name) for name in alike):
@@ -152,7 +159,7 @@ def _with_rate(attempt: Protocol, before: Protocol | None) -> Outcome:
 
 
 def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan | None:
-    """Return the next attempt; None where the last one counts."""
+    """Return the plan of the next attempt; None where the last attempt counts."""
     settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
@@ -175,7 +182,10 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
 
 
 def _after_slow(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
-    """Return the attempt after a slow one: a slower one, or with critical dashpots at the run's own speed; None where it has a plateau."""
+    """Return the plan after a slow attempt: the slower attempt of the pair, or critical dashpots at the run's own speed.
+
+    None where the slow attempt counts because it has a plateau.
+    """
     slower = plan.pace / plan.own
     if slower > 1.0 and _affordable(attempt, steps, slower):
         return replace(plan, pace=plan.own)
@@ -183,9 +193,10 @@ def _after_slow(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
 
 
 def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
-    """Return the attempt after one that rattles: with its swing damped, with critical dashpots, or slow; None where none may be made.
+    """Return the plan after an attempt that rattles: a damped swing, critical dashpots, or slow attempts; None where none may be made.
 
-    It is a quick one again, of two slow ones the quicker: what speed does is known only from two attempts with the same damping.
+    The next attempt is quick again, and of two slow attempts it is the quicker one: only two attempts with the same damping show the
+    effect of the speed.
     """
     if plan.own < 1.0:
         return _after_slow(attempt, plan, steps)
@@ -200,9 +211,9 @@ def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
 
 
 def _may_calm(attempt: Protocol) -> bool:
-    """Whether an attempt with its swing damped may follow.
+    """Whether an attempt with a damped swing may follow.
 
-    A slender structure sways more slowly than the damper's mean is taken. Its sway is no flutter, and only a longer run helps.
+    The sway of a slender structure has a longer period than the damper's mean velocity. It is no flutter, and only a longer run helps.
     """
     undamped = attempt.settings.swing_damping == 0.0 and "swing_damping" not in attempt.case.overrides
     return undamped and slowness(attempt.case) == 1.0

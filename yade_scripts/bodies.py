@@ -33,24 +33,24 @@ from yade_scripts.vibration import Inertia
 
 try:
     from yade.minieigenHP import Matrix3, Quaternion, Vector3
-except ImportError:  # YADE before 2022 kept them in a package of their own
+except ImportError:  # before 2022 YADE used a separate package
     from minieigen import Matrix3, Quaternion, Vector3
 try:
     from yade import Bo1_Polyhedra_Aabb, Ig2_Sphere_Polyhedra_ScGeom
-except ImportError:  # YADE built without CGAL, as Debian 13 has it: boxes alone offer faces
+except ImportError:  # YADE was built without CGAL, as in Debian 13: only boxes can be faces
     Bo1_Polyhedra_Aabb = Ig2_Sphere_Polyhedra_ScGeom = None
 
-# Spheres meet faces only, and nothing meets between two held blocks. YADE pairs bodies whose masks share a bit, unless the
-# masks are equal and share a bit with the collider's avoidSelfInteractionMask. The masks of faces stand in `faces`.
+# Spheres touch only faces, and bodies of two held blocks never touch. YADE pairs bodies whose masks share a bit, unless the
+# masks are equal and share a bit with the collider's avoidSelfInteractionMask. The masks of faces are in `faces`.
 _FREE_SPHERE, _HELD_SPHERE = 0b011, 0b100
 _NO_PAIRS_OF_EQUALS = 0b111
-_NO_FRICTION_LIMIT = 0.5 * np.pi - 1e-9  # of a face: YADE takes the smaller friction angle, that of the sphere
+_NO_FRICTION_LIMIT = 0.5 * np.pi - 1e-9  # friction angle of a face: YADE uses the smaller angle, which is then that of the sphere
 _MASSLESS = 1e-12  # kg/m3; YADE recomputes a sphere's mass from its density, and refuses 0
 _PLANE_BLOCKED = "yXZ"
 _ALL_BLOCKED = "xyzXYZ"
 _INERTIA_TOLERANCE = 1e-6
-# Twice this margin stays below the gap between a sphere and the neighbour's face across a joint, which is one radius: a wider
-# one would make YADE examine every such pair at every step.
+# Margin of a body's bound over the sphere radius. Twice this margin is less than one radius, the gap between a sphere and the neighbour's
+# face across a joint. With a wider margin YADE would examine every such pair at every step.
 _BOUND_MARGIN = 0.3
 
 
@@ -74,7 +74,7 @@ class Model:
         Blocks on which permanent forces act.
     integrator, drive, calm, watch : NewtonIntegrator, list of KinematicEngine or PyRunner, PyRunner, PyRunner
         Engines that move the free blocks, move the supports (or set the live load), damp the swing of the blocks, and record rows. The
-        live load and the damping are at rest until they are started.
+        engines of the live load and of the damping are off until they are started.
     """
 
     clump: tuple[int, ...]
@@ -93,8 +93,8 @@ class Model:
 def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: str = "pass") -> Model:
     """Build the case in YADE's scene.
 
-    watch: Python statement that YADE repeats at every recorded row; pull, calm: those of the live load and of the damping of the swing.
-    Raises YadeError when a clump does not have the mass and inertia of its block.
+    watch, pull, calm: Python statements that YADE repeats to record a row, to set the live load, and to damp the swing.
+    Raises YadeError if a clump does not have the mass and inertia of its block.
     """
     omega = Omega()
     omega.reset()
@@ -129,7 +129,7 @@ def _append_blocks(case: Case, settings: Settings, inertia: Inertia) -> tuple[li
     viscosity = contact_damping(case, inertia, settings.normal_damping, settings.shear_damping)
     of_face = 2.0 * viscosity.max(axis=0)
     material = _material(settings, of_face, _NO_FRICTION_LIMIT)
-    of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # in series they give the contact's
+    of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # face and sphere act in series
     kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), of_sphere]), axis=0, return_inverse=True)
     rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
     touching, carried = (rows_of(owner, len(case.role)) for owner in (case.target, case.host))
@@ -150,7 +150,7 @@ def _append_blocks(case: Case, settings: Settings, inertia: Inertia) -> tuple[li
 
 
 def _material(settings: Settings, viscosity: np.ndarray, friction_angle: float) -> ViscElMat:
-    """Return a new material; sphere and face act in series, so each gets twice the contact's stiffness. viscosity: (2,), N s/m."""
+    """Return a new material. Sphere and face act in series, so each gets twice the contact's stiffness. viscosity: (2,), N s/m."""
     stiffness = {"kn": 2.0 * settings.normal_stiffness, "ks": 2.0 * settings.shear_stiffness}
     dashpots = {"cn": float(viscosity[0]), "cs": float(viscosity[1])}
     material = ViscElMat(**stiffness, **dashpots, frictionAngle=friction_angle, density=_MASSLESS)
@@ -188,10 +188,10 @@ def _carrier(case: Case, block: int, material: ViscElMat) -> Body:
 
 
 def _turn_carriers(case: Case, carriers: list[int], clumps: list[int]) -> None:
-    """Make every clump's mass and inertia those of its block.
+    """Give every clump the mass and inertia of its block; raises YadeError if this fails.
 
-    YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. Where a clump's inertia is wrong, its carrier is
-    turned the other way and YADE computes the clump again; a YADE without that error needs no turn.
+    YADE 2023.02a rotates a clump member's inertia by the inverse of its orientation. If a clump's inertia is wrong for this reason, its
+    carrier is rotated the other way, and YADE computes the clump again. A YADE without this error needs no rotation.
     """
     bodies = Omega().bodies
     turned = [carrier for carrier, block in zip(carriers, _wrong_inertias(case, clumps), strict=True) if block]
@@ -204,17 +204,17 @@ def _turn_carriers(case: Case, carriers: list[int], clumps: list[int]) -> None:
 
 
 def _set_inertia(case: Case, inertia: Inertia, clumps: list[int]) -> None:
-    """Give every clump the inertia of the run; `set_loads` keeps its weight."""
+    """Give every clump the inert mass and inertia of the run; `set_loads` corrects the weight."""
     factor = np.einsum("bii->b", inertia.tensor) / np.einsum("bii->b", case.inertia)  # the same about every axis
     for block, clump in enumerate(clumps):
         state = Omega().bodies[clump].state
         state.mass = inertia.mass[block]
-        # With freedoms blocked YADE divides global torques by the sorted principal inertias; make their order irrelevant.
+        # For a body with blocked freedoms YADE divides global torques by the sorted principal inertias. Equal ones have no order.
         state.inertia = Vector3.Ones * inertia.tensor[block, 1, 1] if case.plane else state.inertia * float(factor[block])
 
 
 def _wrong_inertias(case: Case, clumps: list[int]) -> list[bool]:
-    """Return for each block whether its clump has another inertia; raises YadeError where one has another mass."""
+    """Return for each block whether the inertia of its clump is wrong; raises YadeError if the mass of a clump is wrong."""
     wrong = []
     for block, clump in enumerate(clumps):
         state = Omega().bodies[clump].state
@@ -234,10 +234,10 @@ def _blocked(case: Case, block: int) -> str:
 
 
 def set_loads(case: Case, model: Model, share: float = 1.0, multiplier: float = 0.0) -> None:
-    """Let `share` of weights, dead loads and ties, and the live load by its multiplier, act from the next step on.
+    """Apply, from the next step on, `share` of weights, dead loads and ties, and `multiplier` times the live load.
 
-    YADE's gravity acts on the inert mass of a block, which may be larger than its mass. A permanent force makes up for the difference.
-    Dead loads and ties keep direction and moment as the blocks move, as in limit analysis.
+    YADE's gravity acts on the inert mass of a block, which may be larger than its mass. A permanent force balances the excess. Dead loads
+    and ties keep direction and moment while the blocks move, as in limit analysis.
     """
     gravity = share * case.gravity
     if case.live is not None:
@@ -252,13 +252,13 @@ def set_loads(case: Case, model: Model, share: float = 1.0, multiplier: float = 
 
 
 def _pair(spheres: list[int], faces: list[int]) -> None:
-    """Pair every sphere with its target's face: without a collider, a pair that opens stays listed and may close again."""
+    """Pair every sphere with the face that it touches: without a collider, an open pair stays in YADE's list and may close again."""
     for sphere, face in zip(spheres, faces, strict=True):
         createInteraction(sphere, face, virtualI=True)
 
 
 def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
-    """Return the engine that finds spheres and faces near each other, each time a body has moved by the margin of the bounds.
+    """Return the engine that finds spheres near faces; it searches again after a body has moved by the margin of the bounds.
 
     least_share: radius of the smallest sphere over that of a sphere with the inset of the scene.
     """
@@ -272,7 +272,7 @@ def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
 def _engines(
     case: Case, settings: Settings, clumps: list[int], commands: tuple[str, str, str]
 ) -> tuple[NewtonIntegrator, list[KinematicEngine] | PyRunner, PyRunner, PyRunner]:
-    """Set YADE's engines; the drive is at rest until its velocity is set. commands: statements that watch, pull and calm."""
+    """Set YADE's engines; the supports stand still until their speed is set. commands: statements that watch, pull and calm."""
     command, pull, calm = commands
     colliders = [_collider(settings, float(case.own_inset.min() / case.inset))] if case.displacement == "finite" else []
     contacts = InteractionLoop(
@@ -284,7 +284,7 @@ def _engines(
     drive = drives_of(case, clumps) if case.live is None else PyRunner(command=pull, iterPeriod=1, initRun=False, dead=True)
     calming = PyRunner(command=calm, iterPeriod=1, initRun=False, dead=True)
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
-    clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # watches, however many steps lie between two rows
+    clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # keeps the time limit between two distant rows
     omega = Omega()
     driving = drive if isinstance(drive, list) else [drive]
     omega.engines = [ForceResetter(), *colliders, contacts, *driving, calming, integrator, watch, clock]

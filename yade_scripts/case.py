@@ -1,4 +1,4 @@
-"""One case as YADE needs it, from the fields of `case.h5`: blocks, contact points and the supports' unit motion."""
+"""One case for YADE, from the fields of `case.h5`: blocks, contact points and the unit motion of the supports."""
 
 import json
 from collections.abc import Mapping
@@ -13,17 +13,17 @@ from yade_scripts.contacts import sphere_placement
 from yade_scripts.contacts.convex_parts import box_extents, face_planes, faces_of_parts, parts_of
 from yade_scripts.contacts.frame import near_blocks
 
-_UNIT = 1e-9  # of a unit vector's length: round-off
+_UNIT = 1e-9  # largest error in the length of a unit vector: round-off
 _JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag", "sway")
 
 
 class CaseError(Exception):
-    """The case cannot be run; the message says where, the value and the rule."""
+    """The case cannot be run; the message names the field, its value and the rule."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """B blocks and C contact points, in SI units with z up; blocks set aside without a contact point are left out.
+    """B blocks and C contact points, in SI units with z up; blocks that were set aside and have no contact point are left out.
 
     Attributes
     ----------
@@ -32,25 +32,25 @@ class Case:
     plane : bool
         Whether motion is restricted to the plane x-z.
     displacement : str
-        "small": contacts are those listed; "finite": YADE looks for new ones, too.
+        "small": only the listed contacts exist; "finite": YADE also looks for new ones.
     recording : str
-        "plateau" or "states": which states are stored.
+        Stored states: "plateau" for those at rest and on the plateau, "states" for all.
     inset : float
         Inset of the contact points, m.
     own_inset : np.ndarray
-        Inset (C,) of each contact point by which its sphere is sized, m: less than `inset` in short joints and sharp corners.
+        Inset (C,) that sets the radius of each sphere, m: less than `inset` in short joints and sharp corners.
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
         Velocity of the origin and angular velocity (6,) per unit settlement; NaN for a live load.
     support_twists : np.ndarray
-        The same (B, 6) of each block: supports may move by different shares of it; 0 for all other blocks.
+        The same (B, 6) for each block: supports may move by different shares of the settlement; 0 for all other blocks.
     live : np.ndarray or None
-        Unit direction (3,) of a load in proportion to the weights, which drives the structure in place of supports.
+        Unit direction (3,) of a load in proportion to the weights, which drives the structure instead of supports.
     overrides : dict
-        Settings of the scene's table [yade], and those that follow from the path of limit analysis, by name.
+        Settings by name: from the scene's table [yade], and derived from the path of limit analysis.
     long_overrides : dict
-        The same in place of them, where a run with them would be long.
+        Settings that replace `overrides` if a run with `overrides` would be long.
     role : np.ndarray
         Role (B,) of each block: 0 free, 1 fixed, 2 support.
     mass : np.ndarray
@@ -58,11 +58,11 @@ class Case:
     centroid : np.ndarray
         Centroid (B, 3), m.
     applied_load : np.ndarray
-        Constant force and moment (B, 6) about the centroid of each block beside its weight, N and N m: dead loads and ties.
+        Constant force and moment (B, 6) about the centroid of each block in addition to its weight, N and N m: dead loads and ties.
     load_weight : np.ndarray
         Part (B,) of the dead loads that counts as weight, N.
     live_load : np.ndarray
-        Force and moment (B, 6) per unit multiplier that dead loads add to the live load, N and N m; 0 for a settlement.
+        Force and moment (B, 6) that dead loads add to the live load, per unit multiplier, N and N m; 0 for a settlement.
     inertia : np.ndarray
         Inertia (B, 3, 3) about the centroid in global axes, kg m2.
     vertices : tuple of np.ndarray
@@ -84,7 +84,7 @@ class Case:
     travel : float
         Largest settlement, m or rad.
     sag, sway : float
-        Largest displacement of a centroid, joints glued at the normal stiffness, under the weights, and sideways (0: unknown), m.
+        Largest displacement of a centroid under the weights, and under weights that act sideways (0: unknown), joints glued, m.
     boxes : tuple
         Low and high corner (3,) of each axis-aligned box, m; None for other blocks.
     host : np.ndarray
@@ -152,12 +152,12 @@ class Case:
 
     @cached_property
     def weight(self) -> float:
-        """Weight of all free blocks with their dead loads, N."""
+        """Total weight of the free blocks with their dead loads, N."""
         return self.block_weight * len(self.free)
 
     @cached_property
     def block_weight(self) -> float:
-        """Mean weight of a free block with its dead loads, N: the unit of force in every tolerance."""
+        """Mean weight of a free block with its dead loads, N; limits of unbalanced forces are shares of it."""
         return float(np.mean(self.mass[self.free] * np.linalg.norm(self.gravity) + self.load_weight[self.free]))
 
     @cached_property
@@ -173,7 +173,7 @@ class Case:
 
     @cached_property
     def support_speed(self) -> float:
-        """Largest speed of a support's contact point per unit settlement speed: its share, or m for rotations; 1 for live loads."""
+        """Largest speed of a support's contact point per unit of settlement speed (no unit; m for rotations); 1 for live loads."""
         if self.live is not None:
             return 1.0
         moved = self.support_twists[self.block_b] - self.support_twists[self.block_a]
@@ -187,14 +187,14 @@ class Case:
 
     @cached_property
     def leader(self) -> int:
-        """Support whose motion measures the settlement: the one that turns most where that is an angle, else the one that moves most."""
+        """Support whose motion measures the settlement: the support with the largest rotation if that is an angle, else displacement."""
         twists = self.support_twists[self.supports]
         moved = twists[:, 3:] if self.is_rotation else twists[:, :3] + np.cross(twists[:, 3:], self.centroid[self.supports])
         return int(self.supports[np.linalg.norm(moved, axis=1).argmax()])
 
 
 def from_fields(data: Mapping[str, Any]) -> Case:
-    """Return the case from the fields of `case.h5` by path; raises CaseError when it cannot be run."""
+    """Return the case from the fields of `case.h5` by path; raises CaseError if the case cannot be run."""
     data, origin = near_blocks(data)
     start, interface = data["blocks/vertex_start"], data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
@@ -208,7 +208,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     faces = (data["blocks/face_block"], *face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"]))
     host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]], faces)
     mass, inertia = data["blocks/mass"][index], data["blocks/inertia"][index]
-    bare = (data["blocks/role"][index] != FREE) & ~np.isfinite(mass)  # held blocks without density: 1 kg, as their mass only has to exist
+    bare = (data["blocks/role"][index] != FREE) & ~np.isfinite(mass)  # held blocks without density get 1 kg, which has no effect
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),

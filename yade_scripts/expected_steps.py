@@ -1,4 +1,4 @@
-"""Time steps that an attempt is expected to take, so that a run can tell how long it still goes on."""
+"""Expected number of time steps of an attempt, from which a run estimates its remaining time."""
 
 from dataclasses import dataclass
 
@@ -6,26 +6,26 @@ from yade_scripts.case import Case
 from yade_scripts.driving import servo_of
 from yade_scripts.settings import Settings
 
-RESTING = 1.1  # time steps of the rest under gravity over those in which the weights grow: blocks rest soon after
+RESTING = 1.1  # time steps until the blocks rest, over those in which the weights grow: blocks rest soon after the ramp
 SETTLING = 1.25  # time steps to a plateau over those to the least travel: of 139 attempts at 59 random walls 108 took less
-LATE_MORE = 0.4  # steps that a late plateau still takes, over those so far: half of the 31 late attempts took less
-USUAL_MULTIPLIER = 1.0  # of a live load: YADE is not told what limit analysis predicts
+LATE_MORE = 0.4  # further steps to a late plateau over the steps so far: half of the 31 late attempts took less
+USUAL_MULTIPLIER = 1.0  # assumed multiplier of a live load, because YADE does not know the prediction of limit analysis
 
 
 @dataclass(frozen=True)
 class AttemptSteps:
-    """Time steps that are expected of an attempt.
+    """Expected numbers of time steps of an attempt.
 
     Attributes
     ----------
     resting : float
-        Until the blocks rest under gravity.
+        Steps until the blocks rest under gravity.
     settling : float
-        From there to the plateau; a later plateau is late.
+        Steps from rest to the plateau; a plateau after more steps is late.
     longest : float
-        From there to the end of the travel.
+        Steps from rest to the end of the travel.
     later : float
-        Of the slower attempt that follows a quick one; 0 where none is expected.
+        Steps of the slower attempt that follows a quick one; 0 if none is expected.
     """
 
     resting: float
@@ -34,9 +34,9 @@ class AttemptSteps:
     later: float
 
     def left(self, rested: int, settled: int) -> float:
-        """Return the steps that are left, with those of the later attempt.
+        """Return the remaining steps, including those of the later attempt.
 
-        rested: steps under gravity so far; settled: steps since then, 0 before.
+        rested: steps under gravity so far; settled: steps since rest, 0 before rest.
         """
         if settled == 0:
             return max(self.resting - rested, 0.0) + self.settling + self.later
@@ -44,12 +44,12 @@ class AttemptSteps:
         return max(min(more, self.longest - settled), 0.0) + self.later
 
     def is_late(self, settled: int) -> bool:
-        """Return whether the plateau was expected before so many steps of the settlement."""
+        """Return whether the plateau is late after this number of steps since rest."""
         return settled >= self.settling
 
 
 def expected_steps(case: Case, settings: Settings, pace: float) -> AttemptSteps:
-    """Return the time steps that are expected of an attempt; pace: its speed over that of the attempt that counts."""
+    """Return the expected time steps of an attempt; pace: its speed over that of the attempt that counts."""
     growing, wedging = RESTING * settings.gravity_ramp, settings.wedging / settings.speed
     starting, loading, longest_loading = 0.5 * settings.ramp_time + wedging, 0.0, 0.0
     if case.live is not None:

@@ -1,6 +1,6 @@
-"""What can be wrong with a run: it is lost, because it is unstable, has fallen or is out of time; or its blocks rattle.
+"""Faults of a run: it is lost (unstable, collapsed or out of time), or its blocks rattle.
 
-Blocks that rattle have larger unbalanced forces than those of a quasi-static motion.
+Blocks rattle if their unbalanced forces are larger than in a quasi-static motion.
 """
 
 import math
@@ -16,16 +16,16 @@ MANY = 100  # free blocks: among so many, slow motion prevents a jump better tha
 
 
 def settlement_words(case: Case, settlement: float, start: float | None = None) -> str:
-    """Return a settlement with its unit, for reasons why a run ended; under a live load the blocks are displaced, and nothing settles.
+    """Return a settlement with its unit, for the reason why a run ended; under a live load it is called a displacement.
 
-    settlement: m, or rad for a support that turns; start: where a range up to it begins.
+    settlement: m, or rad for a support that turns; start: begin of a range that ends at the settlement.
     """
     motion, since = "settlement" if case.live is None else "displacement", "" if start is None else f"{start:.3g} to "
     return f"a {motion} of {since}{settlement:.3g} {'rad' if case.is_rotation else 'm'}"
 
 
 def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Status, str] | None:
-    """Return how and why a run is lost at a row, None where it goes on. began: when it began, on the monotonic clock, s."""
+    """Return status and reason of a run that is lost at a row, None if it goes on. began: its start on the monotonic clock, s."""
     if not all(map(math.isfinite, (row.reaction, row.kinetic_energy, row.unbalanced))):
         return Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable"
     if row.speed > settings.fall_speed:
@@ -48,9 +48,9 @@ def rattles(case: Case, settings: Settings, record: Record) -> bool:
 
 
 def gives_way(case: Case, settings: Settings, pace: float) -> bool:
-    """Return whether an attempt with all its damping gives way to slow ones where one of many blocks jumps.
+    """Return whether slow attempts may follow an attempt that has all its damping, if one of its many blocks jumps.
 
-    Only a quick one does, and none of a scene that sets damping or speed. pace: its speed over that of the attempt that counts.
+    They follow only a quick attempt, and never in a scene that sets damping or speed. pace: speed over that of the attempt that counts.
     """
     is_given = {"damping_ratio", "normal_damping", "speed"} & set(case.overrides)
     is_calmed = settings.damping_ratio >= CRITICAL and settings.swing_damping > 0.0
@@ -58,9 +58,9 @@ def gives_way(case: Case, settings: Settings, pace: float) -> bool:
 
 
 def is_restless(case: Case, settings: Settings, record: Record, may_damp: bool, pace: float) -> bool:
-    """Return whether blocks rattle, or one of them jumps, where a calmer attempt may follow.
+    """Return whether blocks rattle or jump so that a calmer attempt should follow.
 
-    may_damp: whether one with more damping may follow; pace: as of `gives_way`.
+    may_damp: whether an attempt with more damping may follow; pace: as in `gives_way`.
     """
     if may_damp:
         return rattles(case, settings, record)

@@ -1,8 +1,8 @@
 """Fit the plateau of a noisy, drifting record: a straight line through its later part, extrapolated to zero settlement.
 
 The reaction of a mechanism changes with the geometry, so a plateau has a slope. Limit analysis predicts the reaction of the undeformed
-geometry, the line's intercept. A slope beyond what geometry can give is joints that still strain: such a curve has not come to its plateau,
-and a line drawn back from it would lie beside all of it.
+geometry, which is the intercept of the line. A slope that is too steep for a change of geometry shows that the joints still strain. Such a
+curve has not reached its plateau, and the intercept of its line would be wrong.
 
 References
 ----------
@@ -23,18 +23,18 @@ from yade_scripts.driving import pushed_of
 
 STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
-COVERAGE = 1.96  # standard deviations of a normal variable that cover the truth 19 times in 20
-_OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise with memory does not reach it, a sine of several periods does
-# The truth is between the line's intercept and the level of the flat part; a width w between two bounds is w / sqrt(12)
-# of standard deviation (rectangular distribution).
+COVERAGE = 1.96  # standard deviations of a normal variable that cover the true value 19 times in 20
+_OSCILLATION = -0.5  # autocorrelation below which a record oscillates: that of correlated noise stays above, that of a sine goes below
+# The true value lies between the line's intercept and the mean level of its rows. Two bounds at a distance w give a standard
+# deviation of w / sqrt(12) (rectangular distribution).
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
 EARLY = UNCERTAIN  # of the reaction: largest uncertainty of a plateau that the reaction leaves
-LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
-# Largest change of a block's velocity over a plateau, over the velocity of the support; and the share of the free blocks whose velocity may
-# change by more, because of a thousand blocks a few always do so. The second pair is for a run that may end with a less certain plateau:
-# the judge takes a block below 5 % of the velocity to stand still, and lets 5 % of the mass move in one method only.
+LEFT = 3.0  # times the uncertainty of the best plateau so far: a fit that is less certain shows that the reaction has left that plateau
+# Largest change of a block's velocity over a plateau, over the velocity of the support; share of the free blocks whose velocity may change
+# by more, because a few of a thousand blocks always do so. The second pair is for a run that may end with a less certain plateau: for the
+# judge a block with less than 5 % of the velocity stands still, and 5 % of the mass may move in one method only.
 STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
-_CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
+_CERTAIN = 3.0  # standard errors of the slope: an excess over the geometric slope by less may be noise
 
 
 class Pose(NamedTuple):
@@ -55,17 +55,17 @@ class Plateau:
     reaction : float
         Intercept a, N or N m.
     uncertainty : float
-        Half width of the interval that covers a 19 times in 20, N or N m.
+        Half width of the interval that contains a 19 times in 20, N or N m.
     slope : float
         Slope b, N/m, or N m/rad.
     start : float
         Settlement where the fitted part begins, m or rad.
     drift : float
-        Change of the line over the fitted part, N or N m, at least 0; less what turning blocks explain.
+        Change of the line over the fitted part without the change that turning blocks explain, N or N m, at least 0.
     from_scatter, from_fit, from_strain : float
-        Parts of the uncertainty, N or N m: noise of the record; line or level; joints that may still strain.
+        Parts of the uncertainty, N or N m: noise of the record; choice of line or level; joints that may still strain.
     creeps : bool
-        Whether the line is steeper than geometry can be: this is no plateau yet.
+        Whether the line is steeper than a change of geometry can make it: the curve has not reached its plateau.
     """
 
     reaction: float
@@ -85,15 +85,15 @@ NONE = Plateau(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, creeps=False)
 
 @dataclass(frozen=True)
 class Geometry:
-    """What the changing geometry of the structure can do to its reaction.
+    """The effect that the changing geometry of the structure can have on its reaction.
 
     Attributes
     ----------
     turning : float
         Largest slope that turning blocks can give, N/m or N m/rad.
     lever : float
-        Settlement over which lever arms change by as much as they are long, m or rad: sliding blocks shift the points where
-        they touch. inf where nothing slides.
+        Settlement over which lever arms change by their own length, m or rad: sliding blocks shift the points where they
+        touch. inf where nothing slides.
     slope : float
         Slope that turning blocks give where no joint slides, N/m or N m/rad.
     """
@@ -114,7 +114,7 @@ class Outcome:
     scatter : float
         Noise of the record.
     fit : float
-        Line or level.
+        Choice between line and level.
     stiffness : float
         Strain of the joints, and settings.
     rate : float
@@ -140,17 +140,17 @@ NO_OUTCOME = Outcome(*[float("nan")] * 4)
 class Earlier:
     """The best plateau so far.
 
-    Friction may lock a thrust in, which turning blocks release later, the later the softer the joints. The reaction of the undeformed
-    geometry is then that of a plateau which the run has left.
+    Friction may lock a thrust in. Turning blocks release it later in the run, the softer the joints, the later. The run then leaves the
+    plateau that has the reaction of the undeformed geometry.
 
     Attributes
     ----------
     fit : Plateau
         The plateau.
     mark : tuple of int
-        Numbers of rows and of states in the record when it was fitted.
+        Numbers of rows and of states in the record at the time of the fit.
     asked : float
-        Settlement imposed by then, m or rad.
+        Settlement imposed up to the fit, m or rad.
     """
 
     fit: Plateau
@@ -158,26 +158,25 @@ class Earlier:
     asked: float
 
     def is_left(self, now: Plateau, enough: float) -> bool:
-        """Whether the uncertainty has grown so much that the reaction has left this plateau. enough: uncertainty that is small anyway."""
+        """Whether a later fit is so uncertain that the reaction has left this plateau. enough: uncertainty that always counts as small."""
         return not now.uncertainty <= max(LEFT * self.fit.uncertainty, enough)
 
 
 def geometry_of(case: Case, before: Pose, now: Pose) -> Geometry:
-    """Return what the geometry can do to the reaction, or the multiplier of a live load, as the structure moves between two states."""
+    """Return the effect of the geometry on the reaction, or on the multiplier of a live load, as the structure moves between two states."""
     slope, turning = turning_slopes(case, before, now)
     if case.live is None:
         return Geometry(turning, case.block_size / case.support_speed, slope)
-    pushed = float(pushed_of(case).sum())  # the load does work on the blocks, which do work on a support: the other sign
+    pushed = float(pushed_of(case).sum())  # a live load does work on the blocks, but the blocks do work on a support: the sign changes
     return Geometry(turning / pushed, case.block_size / largest_speed(before, now), -slope / pushed)
 
 
 def turning_slopes(case: Case, first: Pose, last: Pose) -> tuple[float, float]:
-    """Return the change of the reaction over the settlement that turning blocks give where no joint slides, and its bound where some do.
+    """Return the slope of the reaction over the settlement due to turning blocks if no joint slides, and its bound if joints slide.
 
-    Both are in N/m (N m/rad for a rotation). Where no joint slides, the reaction changes with the settlement by the sum over the contact
-    points of force times the second derivative of the contact's motion, as seen from the face it lies on: turning blocks move on arcs.
-    Sliding joints give these parts other weights: the bound is the sum of the absolute values. Zeros where the two states are of the
-    same settlement.
+    Both are in N/m (N m/rad for a rotation). Turning blocks move on arcs. If no joint slides, the slope is the sum over the contact points
+    of force times the second derivative of the contact's motion, as seen from the face on which the contact lies. Sliding joints give these
+    terms other weights, so the bound is the sum of their absolute values. Both are 0 where the two states have the same settlement.
     """
     travelled = last.settlement - first.settlement
     if travelled <= 0.0:
@@ -195,16 +194,16 @@ def turning_slopes(case: Case, first: Pose, last: Pose) -> tuple[float, float]:
 
 
 def largest_speed(first: Pose, last: Pose) -> float:
-    """Return the largest displacement of a block between two states over the change of the settlement, at least 1."""
+    """Return the largest displacement of a block between two states, over the change of the settlement; at least 1."""
     travelled = last.settlement - first.settlement
     return max(1.0, float(np.linalg.norm(last.displacement - first.displacement, axis=1).max()) / travelled) if travelled > 0.0 else 1.0
 
 
 def is_steady(poses: tuple[Pose, Pose, Pose], free: np.ndarray, fastest: float, shares: tuple[float, float] = STEADY) -> bool:
-    """Whether the free blocks keep their velocity from the first state over the second to the last, but for a few of many.
+    """Whether the free blocks, apart from a few of many, keep their velocity from the first state over the second to the last.
 
-    free: their indices (F,); fastest: largest velocity over that of the settlement; shares: of this velocity, by which that of a block may
-    change, and of the blocks, that may change by more.
+    free: indices (F,) of the free blocks. fastest: largest velocity over that of the settlement. shares: allowed change of a block's
+    velocity as a share of `fastest`, and share of the blocks whose velocity may change by more.
     """
     before, after = (
         (now.displacement - then.displacement)[free] / (now.settlement - then.settlement) for then, now in itertools.pairwise(poses)
@@ -216,8 +215,8 @@ def is_steady(poses: tuple[Pose, Pose, Pose], free: np.ndarray, fastest: float, 
 def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:
     """Return the line through the later part of reaction (T,) against settlement (T,), which rises from 0; NONE below 20 rows.
 
-    The start among STARTS with the smallest uncertainty is chosen: an early start keeps a transient, a late one throws rows away. This
-    is the marginal standard error rule of White (1997), with a line in place of the mean.
+    The fit uses the start among STARTS with the smallest uncertainty: an early start keeps a transient, a late one drops rows. This is
+    the marginal standard error rule of White (1997), with a line in place of the mean.
     """
     if len(settlement) == 0 or not np.all(np.isfinite(reaction)):
         return NONE
@@ -226,15 +225,15 @@ def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Pla
 
 
 def shortcoming(fit: Plateau, scale: float, most: float, name: str = "reaction") -> str:
-    """Return why a line is no plateau, as a clause.
+    """Return the reason why a line is no plateau, as a clause.
 
-    scale: reaction that uncertainty and drift are divided by; most: largest uncertainty of a plateau; name: what the line is fitted to.
+    scale: reaction by which uncertainty and drift are divided; most: largest uncertainty of a plateau; name: name of the fitted quantity.
     """
     if not math.isfinite(fit.reaction):
         return "the record is too short for a line, or undefined"
     if fit.creeps:
         return f"the {name} still creeps"
-    if fit.uncertainty > max(most * scale, abs(fit.reaction)):  # a share of next to nothing would be thousands
+    if fit.uncertainty > max(most * scale, abs(fit.reaction)):  # as a share of a reaction near 0 it would be in the thousands
         return f"the {name} is uncertain by more than itself"
     if fit.uncertainty > most * scale:
         return f"the {name} is known only to {fit.uncertainty / scale:.2g} of itself"
@@ -256,11 +255,11 @@ def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geomet
     scatter = float(np.sqrt(np.mean(residuals**2) * rows / (rows - 2.0)))
     error = float(scatter * np.sqrt(len(s) / (spread * rows)))  # of the slope
     from_scatter = float(student(rows - 2.0) * scatter * np.sqrt((1.0 + centre**2 * len(s) / spread) / rows))
-    # A slope that turning explains is no doubt: the line leads back to the undeformed geometry. Sliding joints may have another one.
+    # A slope that turning blocks explain adds no uncertainty: the line leads to the undeformed geometry. Sliding joints may give another.
     unexplained = min(abs(slope), abs(slope - geometry.slope))
     from_fit = COVERAGE * _RECTANGULAR * unexplained * centre
-    # Strain that falls as 1/s makes the curve R + c/s. Its tangent at the centre has the slope -c/s^2 and the intercept R + 2 c/s, so the
-    # intercept misses R by twice the slope times the settlement of the centre. The slope that turning may explain does not count.
+    # Strain that falls as 1/s gives the curve R + c/s. Its tangent at the centre has the slope -c/s^2 and the intercept R + 2 c/s. So the
+    # intercept differs from R by twice the slope times the settlement of the centre, without the slope that turning blocks may explain.
     from_strain = 2.0 * max(0.0, abs(slope) - geometry.turning) * centre
     creeps = abs(slope) - _CERTAIN * error > geometry.turning + abs(level) / geometry.lever
     uncertainty = float(np.sqrt(from_scatter**2 + from_fit**2 + from_strain**2))
@@ -269,9 +268,9 @@ def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geomet
 
 
 def student(freedoms: float) -> float:
-    """Return Student's factor, which replaces COVERAGE when the scatter is estimated with this number of degrees of freedom.
+    """Return Student's factor, which replaces COVERAGE if the scatter is estimated with this number of degrees of freedom.
 
-    First terms of the expansion in 1/freedoms (Abramowitz & Stegun 26.7.5).
+    The formula has the first terms of the expansion in 1/freedoms (Abramowitz & Stegun 26.7.5).
     """
     z = COVERAGE
     return z + (z**3 + z) / (4.0 * freedoms) + (5.0 * z**5 + 16.0 * z**3 + 3.0 * z) / (96.0 * freedoms**2)
@@ -280,9 +279,9 @@ def student(freedoms: float) -> float:
 def correlation_length(residuals: np.ndarray) -> float:
     """Return the number of rows per independent row, at least 1: the larger of two estimates of 1 + 2 sum of autocorrelations.
 
-    The first sums over pairs of lags while they are positive (Geyer 1992), which is right for any shape. The second assumes a
-    first-order process with the autocorrelation of lag 1, corrected for the bias -(2 + 4 rho)/n of fitting a line. It sees long memory,
-    which the fitted line hides from the first. An oscillation, recognised by its strong negative autocorrelation, has no such memory.
+    The first estimate sums over pairs of lags while these sums are positive (Geyer 1992), which is right for any shape. The second assumes
+    a first-order process with the autocorrelation of lag 1, corrected for the bias -(2 + 4 rho)/n of a fitted line. It includes long
+    memory, which the line hides from the first. The second is not used for an oscillation, which has a strong negative autocorrelation.
     """
     rows, power = len(residuals), float(np.sum(residuals**2))
     if power == 0.0:

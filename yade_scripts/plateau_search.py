@@ -13,12 +13,13 @@ from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import Record, Status
 from yade_scripts.settings import Settings, is_content, sag_of
 
-STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
+# Largest effect of the joints' strain, as a share of the reaction: this factor times the elastic sag over the settlement.
+STRAIN_OF_SAG = 0.03
 
 
 @dataclass
 class PlateauSearch:
-    """What the record of a run says about its plateau.
+    """The search for the plateau in the record of a run.
 
     Attributes
     ----------
@@ -39,9 +40,9 @@ class PlateauSearch:
     _best: Earlier | None = None
 
     def look(self, asked: float) -> bool:
-        """Fit the record so far, and return whether the run may end: the plateau is known and its motion steady, or the reaction has left
-        the best plateau.
+        """Fit the record so far, and return whether the run may end.
 
+        It may end if the plateau is known and the motion on it is steady, or if the reaction has left the best plateau.
         asked: settlement imposed so far, m or rad.
         """
         self.plateau = fit = self._fit()
@@ -55,9 +56,10 @@ class PlateauSearch:
         return best is not None and best.is_left(fit, enough)
 
     def ended(self, asked: float) -> tuple[Status, str, float]:
-        """Return how the run ends, why, and at which imposed settlement (m or rad): with a plateau, or on a curve that creeps or is noisy.
+        """Return the status of a run that ends now, the reason, and the imposed settlement at its end (m or rad).
 
-        Where the reaction has left the best plateau, the record is cut there. asked: settlement imposed so far.
+        The run ends with a plateau, or without one if the curve creeps or is noisy. If the reaction has left the best plateau, the record
+        is cut at the end of that plateau. asked: settlement imposed so far.
         """
         fit, best, ending = self._fit(), self._best, ""
         name = "reaction" if self.case.live is None else "multiplier"
@@ -83,7 +85,7 @@ class PlateauSearch:
 
     @property
     def _strain(self) -> float:
-        """Share of the reaction that the joints' strain may still make; it falls as the support moves on."""
+        """Largest share of the reaction that may be due to the joints' strain; it falls as the support moves on."""
         sag = sag_of(self.case, self.settings.normal_stiffness)
         return STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
 
@@ -95,9 +97,9 @@ class PlateauSearch:
         return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
 
     def _is_steady(self, fit: Plateau) -> bool:
-        """Whether each block keeps its velocity over the plateau, or all but a few of many; not asked of a run whose swing is not damped.
+        """Whether each block, or all but a few of many, keeps its velocity over the plateau. True for a run without a damped swing.
 
-        The damper makes blocks seem heavier: a part of the structure that stands on its own sways on while the reaction is constant.
+        The damper makes blocks seem heavier. So a part of the structure that stands on its own may still sway under a constant reaction.
         """
         if self.settings.swing_damping == 0.0:
             return True
@@ -111,7 +113,7 @@ class PlateauSearch:
         return plateau.is_steady((poses[0], middle, now), self.case.free, fastest, shares)
 
     def _scale(self, fit: Plateau) -> float:
-        """Return the reaction by which uncertainties are measured; a reaction of zero, on which no weight works, is noise alone."""
+        """Return the reaction by which uncertainties are divided. It has a lower limit, because a reaction of zero is noise alone."""
         if self.case.live is not None:
             return max(abs(fit.reaction), self.settings.reaction_floor)
         at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
@@ -119,7 +121,7 @@ class PlateauSearch:
         return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest), least)
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
-        """Whether a fit is known well enough; one that creeps counts where its uncertainty, which holds the creep, is small."""
+        """Whether a fit is certain enough for a plateau. A creeping fit counts if its uncertainty, which includes the creep, is small."""
         scale = self._scale(fit)
         is_flat = (not fit.creeps or fit.uncertainty <= EARLY * scale) and fit.drift <= self.settings.plateau_drift * scale
         return is_flat and fit.uncertainty <= uncertainty * scale

@@ -20,36 +20,36 @@ from yade_scripts.recorder import Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings
 
 ROWS_BETWEEN_FITS, ROWS_BETWEEN_LOOKS = 20, 4
-ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
-GRAVITY_ROWS = 2000  # of the longest gravity stage
+ROWS_AT_REST = 3  # successive rows at rest: a swinging block passes through balance in one row and stands still in another
+GRAVITY_ROWS = 2000  # rows of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
-EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
-LATE_POSES = 0.1  # of the way so far: largest distance between states from there on, so that a plateau holds several
+EARLY_POSES = 32  # stored states between the joints' loss of strain and the first settlement at which the run may stop
+LATE_POSES = 0.1  # of the settlement so far: largest distance between later states, so that every plateau has several states
 Progress = Callable[[str, int, float, float], None]  # stage, time steps of the attempt so far, settlement, reaction
 
 
 @dataclass
 class Protocol:
-    """One run of a model: `run` takes it through both stages, and YADE calls `watch` at every recorded step.
+    """One attempt with a model: `run` carries out both stages, and YADE calls `watch` at every recorded step.
 
     Attributes
     ----------
     case, settings : Case, Settings
         The case that runs, and every setting of the run.
     model, record : Model, Record
-        Its bodies in YADE; rows and poses so far.
+        Bodies of the case in YADE; rows and poses so far.
     progress : callable
         Receives stage, time steps of the attempt so far, settlement and reaction of each row.
     near : NearFaces or None
-        Faces that its spheres do not touch: it ends where one may be met. None where YADE looks for new contacts, or none can form.
+        Faces near the spheres: the attempt ends where a sphere may touch one. None where YADE looks for new contacts, or none can form.
     pace : float
-        Its speed over that of the attempt that counts.
+        Speed of the attempt over that of the attempt that counts.
     met_face : bool
-        Whether it ended so.
+        Whether the attempt ended because a sphere may have touched such a face.
     dropped_steps : int
-        Time steps of an attempt that this one repeats.
+        Time steps of the earlier attempt that this one repeats.
     status, message : Status or None, str
-        How the run ended, None while it runs; and why, as a phrase.
+        Status of the run, None while it runs; reason for its end, as a phrase.
     asked_settlement : float
         Settlement imposed so far, m or rad.
     error : BaseException or None
@@ -86,7 +86,7 @@ class Protocol:
     _began: float = field(default_factory=time.monotonic)
 
     def __post_init__(self) -> None:
-        """Begin without a plateau."""
+        """Begin the search for the plateau."""
         self.search = PlateauSearch(self.case, self.settings, self.record)
 
     @property
@@ -100,11 +100,11 @@ class Protocol:
         return self.search.outcome
 
     def run(self) -> None:
-        """Run both stages; afterwards `status`, `message` and `plateau` say how it ended. Re-raises an exception of `watch`."""
+        """Run both stages; `status`, `message` and `plateau` then describe the end. Re-raises an exception of `watch`."""
         settings, dt = self.settings, self.settings.time_step
         if settings.wedging > 0.0:
             self._wedge()
-        longest = max(math.ceil(settings.gravity_time / dt), ROWS_AT_REST)  # a shorter stage would have no row
+        longest = max(math.ceil(settings.gravity_time / dt), ROWS_AT_REST)  # a shorter stage would have too few rows
         self._start_time = Omega().time
         self._load(0.0)
         self._advance(longest, max(1, longest // GRAVITY_ROWS))
@@ -122,7 +122,7 @@ class Protocol:
             self.record.keep_plateau(self.plateau.start)
 
     def _wedge(self) -> None:
-        """Close the joints by a motion against the settlement, before gravity acts: weights alone may not create the thrust they need."""
+        """Close the joints by a motion against the settlement, before gravity acts: weights alone may not create the necessary thrust."""
         settings = self.settings
         steps = math.ceil(settings.wedging / settings.speed / settings.time_step)
         set_loads(self.case, self.model, 0.0)
@@ -149,7 +149,7 @@ class Protocol:
             self._servo = servo_of(self.case, settings)
             self.record.start_load()
             self._servo.start(self.record)
-            assert not isinstance(self.model.drive, list)  # those move supports
+            assert not isinstance(self.model.drive, list)  # a list of engines would move supports
             self.model.drive.iterPeriod, self.model.drive.dead = self._servo.every, False
             full_time += self._servo.loading_time()
         self._advance(math.ceil(full_time / dt), every)
@@ -173,7 +173,7 @@ class Protocol:
             self._guarded(self._damper.damp)
 
     def _guarded(self, act: Callable[[], None]) -> None:
-        """Act in YADE's thread: an exception is kept, and ends the stage."""
+        """Call a function in YADE's thread: an exception is stored, and the stage ends."""
         if self.error is None:
             try:
                 act()
@@ -182,7 +182,7 @@ class Protocol:
                 self._pause()
 
     def _travelled(self, row: Row) -> float:
-        """Return what the travel limits: the motion of the supports, or the displacement of the fastest block under a live load."""
+        """Return the motion that the travel limits: of the supports, or under a live load of the block that moved farthest."""
         return row.settlement if self.case.live is None else row.displacement
 
     def _advance(self, steps: int, every: int) -> None:
@@ -205,20 +205,20 @@ class Protocol:
             self._pause()
 
     def _pause(self) -> None:
-        """End the stage with this step; its end is computed, because YADE goes on in its own thread and may not have counted the step."""
+        """End the stage with this step. Time and step number are computed, because YADE's thread may not have counted this step yet."""
         self._end_time, self._end_step = Omega().time + Omega().dt, Omega().iter + 1
         Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
         loss = loss_of(self.case, self.settings, row, self._began)
-        has_fallen = loss is not None and loss[0] is Status.COLLAPSED  # a face that it did not touch may have caught the block
+        has_fallen = loss is not None and loss[0] is Status.COLLAPSED  # a face that is not listed might have caught the block
         if (has_fallen or len(self.record.rows) % ROWS_BETWEEN_LOOKS == 0) and self._meets_face():
             return
         if loss is not None:
             self._end(*loss)
 
     def _meets_face(self) -> bool:
-        """Whether a sphere may have met a face that the case does not list; the run then ends."""
+        """Whether a sphere may have touched a face that the case does not list; if so, the run ends."""
         if self.near is not None and self.near.are_met(*self.record.motion()):
             self.met_face = True
             place = settlement_words(self.case, self.record.settlement())
@@ -226,7 +226,7 @@ class Protocol:
         return self.met_face
 
     def _load(self, elapsed: float) -> bool:
-        """Let the weights act, `elapsed` seconds after the start of their ramp; return whether they still grow."""
+        """Set the weights `elapsed` seconds after the start of their ramp; return whether they still grow."""
         duration = self.settings.gravity_ramp
         set_loads(self.case, self.model, ramp(elapsed, duration))
         return elapsed < duration
@@ -259,7 +259,7 @@ class Protocol:
             self._judge()
         elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             may_end = self.search.look(self.asked_settlement)
-            # A damped swing dies away as the run goes on, so that only a jump ends such a run early, at what it has shown by then.
+            # A damped swing dies away as the run goes on. So only a jump ends such a run early, with the plateau found so far.
             is_calmed = settings.swing_damping > 0.0
             if self._is_restless and not is_calmed:
                 self._end_rattling()
@@ -285,7 +285,7 @@ class Protocol:
         if self._meets_face():
             return
         status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
-        # Rattling counts up to the plateau: what came after one that the reaction left is cut off.
+        # Rattling counts up to the plateau: rows after a plateau that the reaction has left are cut off.
         if self._is_restless:
             self._end_rattling()
         else:

@@ -14,8 +14,8 @@ from yade_scripts.case import Case
 from yade_scripts.driving import pushed_of
 from yade_scripts.plateau import Pose
 
-# A block this many times as light as the mean one rests by its own weight: with an unbalanced force at which a mean block rests, a
-# thousandth of its weight, it may fall at more than 2 % of free fall, which the judge expects a run to show.
+# Mean block weight over that of a block, above which rest is judged by the block's own weight. A lighter block with the unbalanced force
+# of a mean block at rest, a thousandth of the mean weight, may fall at over 2 % of free fall. The judge expects a run to show such a fall.
 LIGHT = 20.0
 
 
@@ -40,18 +40,18 @@ class Row:
     time : float
         Simulated time, s.
     settlement : float
-        Settlement of the supports, m or rad; under a live load the mean displacement along it since rest of what it pushes, m.
+        Settlement of the supports, m or rad; under a live load the mean displacement of the loaded weights along it since rest, m.
     reaction : float
-        Reaction, N or N m; under a live load its multiplier.
+        Reaction, N or N m; the multiplier of a live load.
     support_wrench : np.ndarray
         Force and moment about the origin (6,) of the supports on the structure, N and N m.
     kinetic_energy : float
-        Kinetic energy of the free blocks with their inertia of this run, J.
+        Kinetic energy of the free blocks with the inertia of this run, J.
     damped_energy : float
         Energy that the damping of the blocks' swing has taken so far, J.
     unbalanced : float
-        Largest unbalanced force over the mean block weight. Before the settlement the force of a light block counts over LIGHT times its
-        own weight and loads, where this is less.
+        Largest unbalanced force over the mean block weight. Before the settlement the divisor of a light block is LIGHT times its own
+        weight and loads, if this is less.
     speed : float
         Speed of the fastest free block, m/s.
     weight_work : float
@@ -74,7 +74,7 @@ class Row:
 
 
 def _array(vectors: Iterable[Vector3]) -> np.ndarray:
-    """Return YADE's vectors as an array (N, 3); reading them by index is ten times as fast as numpy's own conversion."""
+    """Return YADE's vectors as an array (N, 3); to read them by index is ten times as fast as numpy's own conversion."""
     return np.array([(vector[0], vector[1], vector[2]) for vector in vectors]).reshape(-1, 3)
 
 
@@ -87,7 +87,7 @@ class Record:
     case : Case
         The case that runs.
     model : Model
-        Its bodies in YADE.
+        Bodies of the case in YADE.
     rows : list of Row
         Recorded instants.
     poses : list of Pose
@@ -106,7 +106,7 @@ class Record:
     _cut: float | None = None
 
     def __post_init__(self) -> None:
-        """Look up what every row needs: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
+        """Look up the data of every row: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self.states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
@@ -117,7 +117,7 @@ class Record:
         own = self._mass * float(np.linalg.norm(case.gravity)) + np.linalg.norm(case.applied_load[case.free, :3], axis=1)
         self._weight_at_rest = np.minimum(case.block_weight, LIGHT * own)
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
-        self._pushed_aside = np.flatnonzero(case.live_load[:, 3:].any(axis=1)).tolist()  # masses beside the centroid of their block
+        self._pushed_aside = np.flatnonzero(case.live_load[:, 3:].any(axis=1)).tolist()  # blocks with loaded masses off their centroid
         if case.live is None:
             twist = case.support_twists[case.leader]
             self._leads = bodies[self.model.clump[case.leader]].state
@@ -126,7 +126,7 @@ class Record:
     def read_row(self, stage: int, damped_energy: float = 0.0) -> Row:
         """Read the present instant from YADE, add it to the rows and return it.
 
-        stage: GRAVITY or SETTLEMENT; damped_energy: what the damping of the swing has taken so far, J.
+        stage: GRAVITY or SETTLEMENT; damped_energy: energy that the damping of the swing has taken so far, J.
         """
         case, omega, states = self.case, Omega(), self.states
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
@@ -141,7 +141,7 @@ class Record:
         wrenches = self.support_wrenches()
         row = Row(
             stage=stage,
-            time=omega.time + omega.dt,  # YADE's clock advances after the last engine, the bodies have moved already
+            time=omega.time + omega.dt,  # YADE's clock advances after the last engine, but the bodies have already moved
             settlement=self.settlement(),
             reaction=-float(np.sum(case.support_twists[case.supports] * wrenches)) if case.live is None else self.multiplier(),
             support_wrench=wrenches.sum(axis=0),
@@ -160,9 +160,9 @@ class Record:
         return [row for row in self.rows if row.stage == SETTLEMENT]
 
     def rattles(self, share: float, allowed: float) -> bool:
-        """Whether blocks rattle: unbalanced forces are larger on the mean than in a quasi-static motion.
+        """Whether blocks rattle: their mean unbalanced force is larger than in a quasi-static motion.
 
-        share: of the settlement, which the mean leaves out; allowed: mean over the mean block weight.
+        share: first part of the settlement, which the mean leaves out; allowed: largest mean force over the mean block weight.
         """
         start = share * self.settlement()
         later = [row.unbalanced for row in self.settling() if row.settlement >= start]
@@ -171,7 +171,7 @@ class Record:
     def jumps(self, allowed: float) -> bool:
         """Whether a block has jumped: a single unbalanced force over the mean block weight was larger than allowed.
 
-        One jump may carry the structure past a state that would hold, to one that then looks steady.
+        One jump may carry the structure past an equilibrium to another state that then looks steady.
         """
         return max((row.unbalanced for row in self.settling()), default=0.0) > allowed
 
@@ -191,9 +191,9 @@ class Record:
         return -np.concatenate([force, moment], axis=1)
 
     def settlement(self) -> float:
-        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the one that leads.
+        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the leading support.
 
-        Under a live load: the mean displacement along it, since `start_load`, of the weights that it pushes, m: its work over their sum.
+        Under a live load: the mean displacement of the loaded weights along it since `start_load`, m. This is its work over their sum.
         """
         if self._cut is not None:
             return self._cut
@@ -208,11 +208,11 @@ class Record:
         return float(moved @ direction) / float(direction @ direction)
 
     def start_load(self) -> None:
-        """Measure the displacement along the live load from here."""
+        """Measure the displacement along the live load from the present state on."""
         self._rest_along = self._mean_place()
 
     def multiplier(self) -> float:
-        """Return the multiplier of the live load that acts."""
+        """Return the present multiplier of the live load."""
         gravity = self.case.gravity
         extra = _array([self.model.integrator.gravity])[0] - gravity
         return float(extra @ self.case.live / np.linalg.norm(gravity))
@@ -273,7 +273,7 @@ class Record:
         return len(self.rows), len(self.poses)
 
     def cut(self, mark: tuple[int, int]) -> None:
-        """Drop what came after a mark: the run ends there."""
+        """Drop all rows and states after a mark: the run ends there."""
         del self.rows[mark[0] :], self.poses[mark[1] :]
         self._cut = self.rows[-1].settlement
 

@@ -1,8 +1,8 @@
 """Run one case in YADE: `/usr/bin/python3 run_case.py case.h5 run.h5 [--inputs DIGEST] [--time-limit SECONDS]`.
 
-Standard output carries protocol lines only: `progress {JSON}` while it runs, `done <status>` at the end. The exit code is 0
-whenever run.h5 was written, whatever the status. YADE's Python modules are looked for in $YADE_MODULES, else where Debian and
-Ubuntu put them. Run with a plain Python interpreter, YADE opens no network socket; its own launcher always opens two.
+Standard output carries protocol lines only: `progress {JSON}` during the run, `done <status>` at the end. The exit code is 0 if
+run.h5 was written, for every status. YADE's Python modules are loaded from $YADE_MODULES, or else from the folders of Debian and
+Ubuntu. In a plain Python interpreter YADE opens no network socket; its own launcher always opens two.
 """
 
 import argparse
@@ -24,17 +24,17 @@ from typing import TYPE_CHECKING, Any, TextIO
 if TYPE_CHECKING:
     from yade_scripts.expected_steps import AttemptSteps
 
-os.environ["OMP_NUM_THREADS"] = "1"  # of libraries that load before YADE
-os.environ.setdefault("HOME", str(Path.home()))  # YADE asks for it when it loads
+os.environ["OMP_NUM_THREADS"] = "1"  # for libraries that load before YADE
+os.environ.setdefault("HOME", str(Path.home()))  # YADE needs it when it loads
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS_BETWEEN_LINES = 0.25
-_SECONDS_TIMED = 0.5  # of time steps, before their pace says how long the rest takes
+_SECONDS_TIMED = 0.5  # duration of time steps, s, from which the remaining time is estimated
 _PR_SET_PDEATHSIG = 1  # prctl(2)
 
 
 def load_package(name: str) -> ModuleType:
-    """Load package `name` from beside this file's folder, without a change of sys.path: other packages there must stay hidden."""
+    """Load package `name` from the parent of this file's folder. sys.path is not changed, because other packages there must stay hidden."""
     folder = _ROOT / name
     spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
@@ -46,7 +46,7 @@ def load_package(name: str) -> ModuleType:
 
 
 class DeferredModule(ModuleType):
-    """A module that tells its version, and is loaded only when anything else is asked of it."""
+    """A module that has its version at once, and is loaded only when another attribute is read."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -60,15 +60,15 @@ class DeferredModule(ModuleType):
 
 
 def defer_console() -> None:
-    """Spare loading IPython, which takes a quarter of the time that YADE takes to load: YADE needs only its version."""
+    """Defer the load of IPython, which takes a quarter of YADE's loading time; YADE needs only IPython's version."""
     with contextlib.suppress(importlib.metadata.PackageNotFoundError):
         sys.modules.setdefault("IPython", DeferredModule("IPython"))
 
 
 def find_yade() -> str:
-    """Return the folder of YADE's Python modules; raises ImportError with the command that installs it when there is none."""
+    """Return the folder of YADE's Python modules; raises ImportError with the command that installs YADE if there is none."""
     named = os.environ.get("YADE_MODULES")
-    # Debian ships builds of several precisions side by side: double comes first.
+    # Debian ships builds of several precisions side by side: double precision is preferred.
     installed = sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))
     for folder in [Path(named)] if named else installed:
         if (folder / "yade" / "__init__.py").is_file():
@@ -78,28 +78,28 @@ def find_yade() -> str:
 
 
 class Reporter:
-    """Protocol lines on the process's standard output, at most a few per second of wall time, with the time left at the pace so far."""
+    """Protocol lines on the process's standard output, at most a few per second, with the remaining time at the pace so far."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._last = -_SECONDS_BETWEEN_LINES
-        self._attempt, self._before, self._steps = 0, 0, 0  # number; time steps of the attempts before, and of this one
+        self._attempt, self._before, self._steps = 0, 0, 0  # number; time steps of the earlier attempts, and of this one
         self._rested = 0  # time steps of this attempt under gravity
-        self._first: tuple[float, int] | None = None  # when this attempt's first row came, and its steps by then
+        self._first: tuple[float, int] | None = None  # time of this attempt's first row, s, and time steps up to it
 
     def loaded(self, version: str, lacks: list[str]) -> None:
-        """Write YADE's version, and the optional names that its build lacks."""
+        """Write YADE's version, and the optional names that are missing in its build."""
         self._write_progress(stage="loaded", version=version, lacks=lacks)
 
     def attempt(self, steps: "AttemptSteps", seconds: float) -> None:
-        """Begin an attempt, which is expected to take so many steps; the time limit ends it after so many seconds."""
+        """Begin an attempt. steps: its expected time steps; seconds: wall time until its time limit."""
         self._attempt, self._before, self._steps, self._rested = self._attempt + 1, self._before + self._steps, 0, 0
         self._expected, self._first, self._limit = steps, None, time.monotonic() + seconds
 
     def progress(self, stage: str, steps: int, settlement: float, reaction: float) -> None:
         """Write one progress line unless the last one is too recent.
 
-        steps: of this attempt so far. settlement: m or rad. reaction: N or N m, or the multiplier of a live load.
+        steps: time steps of this attempt so far. settlement: m or rad. reaction: N or N m, or the multiplier of a live load.
         """
         now = time.monotonic()
         self._steps, self._first = steps, self._first or (now, steps)
@@ -137,14 +137,14 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     sys.path[:] = [entry for entry in sys.path if Path(entry or ".").resolve() != _ROOT / "yade_scripts"]
     for package in ("la_core", "yade_scripts"):
         load_package(package)
-    from la_core import exchange  # noqa: PLC0415  loadable from here on only
+    from la_core import exchange  # noqa: PLC0415  loadable only from here on
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
     problem = settings.affordable(case.from_fields(exchange.read(options.case, case_fields(options.case))))
     derived = settings.derive(problem)
     limit = derived.time_limit if options.time_limit is None else options.time_limit
-    os.environ["OMP_NUM_THREADS"] = str(derived.threads)  # several threads add forces in an order that differs between runs
+    os.environ["OMP_NUM_THREADS"] = str(derived.threads)  # with several threads the order in which forces are added differs between runs
     sys.path.append(find_yade())
     defer_console()
     from yade import config  # noqa: PLC0415
@@ -172,7 +172,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
 
 
 def case_fields(path: Path) -> tuple[Any, ...]:
-    """Return the fields of a case file: those of every case, and the optional ones that it holds. The packages must be loaded."""
+    """Return the fields of a case file: the required ones, and the optional ones in this file. The packages must be loaded."""
     from la_core import exchange  # noqa: PLC0415
 
     optional = (*exchange.OWN_FIELDS, exchange.SWAY, exchange.LONG_RUN_SETTINGS)
@@ -180,26 +180,26 @@ def case_fields(path: Path) -> tuple[Any, ...]:
 
 
 def _expose(**called: Callable[[], Any]) -> None:
-    """YADE's PyRunners evaluate their commands in the main module."""
+    """Add functions to the main module, where YADE's PyRunners evaluate their commands."""
     sys.modules["__main__"].__dict__.update(called)
 
 
 def _remove_scratch_folder() -> None:
-    """Remove the empty folder that YADE makes when it loads: nothing here uses it, and a process that is killed would leave it behind."""
-    from yade import Omega  # noqa: PLC0415  loadable from here on only
+    """Remove the empty folder that YADE makes when it loads: it is not used here, and a killed process would leave it behind."""
+    from yade import Omega  # noqa: PLC0415  loadable only from here on
 
     with contextlib.suppress(OSError):
         Path(Omega().tmpFilename()).parent.rmdir()
 
 
 def _end_with_parent() -> None:
-    """Have the system kill this process when its parent ends, because nobody is left to read its result."""
+    """Let the system kill this process when its parent ends, because no process would then read its result."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _reason(error: Exception) -> str:
-    """Return the error as one line; an unforeseen error is given with its type."""
+    """Return the error as one line; an unexpected error has its type in front."""
     text = " ".join(str(error).split())
     foreseen = isinstance(error, ImportError) or type(error).__module__.split(".")[0] in ("la_core", "yade_scripts")
     return text if foreseen and text else f"{type(error).__name__}: {text}"
@@ -214,7 +214,7 @@ def main() -> int:
     parser.add_argument("--time-limit", type=float, help="seconds of wall time, in place of the case's setting")
     options = parser.parse_args()
     _end_with_parent()
-    # YADE prints to standard output from C++ and Python: send all that to standard error, keep the original for the protocol.
+    # YADE prints to standard output from C++ and Python. Send this to standard error, and keep the original stream for the protocol.
     protocol_stream = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     try:

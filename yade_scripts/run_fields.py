@@ -14,7 +14,7 @@ from yade_scripts.plateau import Pose
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Row
 
-_NO_WORK = 1e-6  # of the largest possible work of the weights: below it only the joints' elastic strain does work
+_NO_WORK = 1e-6  # of the largest possible work of the weights: any smaller work is due to the joints' elastic strain alone
 
 
 def fields(made: Attempts, seconds: float) -> dict[str, Any]:
@@ -40,12 +40,12 @@ def fields(made: Attempts, seconds: float) -> dict[str, Any]:
 
 
 def kinetic_ratio(run: Protocol) -> float:
-    """Return the largest kinetic energy on the plateau over the absolute work of the weights there; NaN without either."""
+    """Return the largest kinetic energy on the plateau over the absolute work of the weights there; NaN without a plateau or work."""
     fitted = [row for row in run.record.rows if row.stage == SETTLEMENT and row.settlement >= run.plateau.start]
     if not fitted:
         return float("nan")
     case, travel = run.case, fitted[-1].settlement - fitted[0].settlement
-    most = case.weight * travel * case.support_speed  # all free blocks sinking with the support
+    most = case.weight * travel * case.support_speed  # all free blocks sink with the support
     work = abs(fitted[-1].weight_work - fitted[0].weight_work)
     return max(row.kinetic_energy for row in fitted) / work if work > _NO_WORK * most else float("nan")
 
@@ -58,7 +58,7 @@ def _rows(run: Protocol) -> dict[str, Any]:
 
 
 def _poses(run: Protocol) -> dict[str, Any]:
-    """Return the stored states by path; blocks that the case leaves out are at rest."""
+    """Return the stored states by path; blocks that the case leaves out do not move."""
     poses = {name: np.array([getattr(pose, name) for pose in run.record.poses]) for name in Pose._fields}
     for name in ("displacement", "rotation"):
         every = np.zeros((len(run.record.poses), run.case.total, 3))

@@ -1,4 +1,4 @@
-"""Every setting of a run: derived from the case so that blocks of any size and weight run alike, or set by the scene.
+"""Every setting of a run: set by the scene, or derived from the case in proportion to size and weight of the blocks.
 
 The stable time step follows from the highest frequency and the fastest decay of the assembly, see `yade_scripts.vibration`.
 """
@@ -15,27 +15,29 @@ from la_core.exchange import AT_STAKE, FREE, RADIUS_OVER_INSET, SETTING_DEFAULTS
 from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
-# Ratios that hold for every case; README.md says where they come from.
-GRAVITY_PERIODS = 500.0  # longest gravity stage
-WEIGHT_PERIODS = 10.0  # over which weights grow: sooner, blocks overshoot, and friction keeps a trace of it; later, nothing changes
+# Ratios for every case; README.md gives their reasons.
+GRAVITY_PERIODS = 500.0  # longest gravity stage, in periods of the sag
+WEIGHT_PERIODS = 10.0  # ramp of the weights: on a shorter one blocks overshoot, and friction keeps a trace; a longer one changes nothing
 REST_UNBALANCED = 1e-3  # of the mean block weight: unbalanced force at rest
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
-# Least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel.
+# Least stiffness over that of limit analysis: the path of limit analysis goes on until it is flat, but a run must reach its plateau within
+# one travel.
 STIFFENING = 4.0
-# Time steps times contact points of all attempts: a minute or two on one core for any structure. Large ones may take more, up to as many
-# time steps as are enough for a small one, and at most some 40 minutes. The attempt at the run's own speed is made in any case.
+# Limits of the product of time steps and contact points over all attempts. SMALL_WORK takes a minute or two on one core for any structure.
+# A large structure may take more, up to MOST_STEPS time steps, and at most MOST_WORK, some 40 minutes. The attempt at the run's own speed
+# is made in any case.
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
-# Settings of a plane run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends
-# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does.
+# Settings of a plane run beyond SMALL_WORK. Some of its many blocks rattle in nearly every run, and a useless attempt takes minutes. So the
+# run ends with an uncertainty that still allows a verdict. It moves twice as fast; its two attempts show the effect of the speed.
 OF_LARGE = {"stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
-# Its swing is damped at once, unless it sways more slowly than the damper's mean. A damped swing needs hardly any dashpots, and with fewer
-# of them steps are longer. In space light dashpots let one jump lead from one plateau to another.
+# The swing of such a run is damped at once, unless its sway is slower than the damper's mean. A damped swing needs hardly any dashpots, and
+# weaker dashpots allow longer steps. This is for the plane alone: in space, with light dashpots, one jump may lead to another plateau.
 OF_LARGE_CALMED = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long as with 0.3
-SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
-ROWS = 1200  # of the record over the full travel, more for stiffer joints
-RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
+SWAY_SHARE = 0.2  # least number of periods of the sideways swing in a run, over its number of periods of the sag without sway
+ROWS = 1200  # rows of the record over the full travel; more for stiffer joints
+RAMP_SHARE = 0.04  # share of the travel during which the support accelerates
 
 
 @dataclass(frozen=True)
@@ -84,11 +86,11 @@ class Settings:
 
 
 def derive(case: Case, large: bool | None = None) -> Settings:
-    """Return the settings of a case, as `affordable` returns it; its overrides replace derived values.
+    """Return the settings of a case that comes from `affordable`; its overrides replace derived values.
 
     Raises CaseError for an unknown name or an invalid value.
 
-    large: whether it counts as large; None decides it by the case.
+    large: whether the case counts as large; None to derive this from the case.
     """
     overrides = _checked(case.overrides)
     if not (is_large(case) if large is None else large):
@@ -98,7 +100,7 @@ def derive(case: Case, large: bool | None = None) -> Settings:
 
 
 def affordable(case: Case) -> Case:
-    """Return the case with the settings that it runs with: its `long_overrides` where a run with its `overrides` would be long."""
+    """Return the case with the overrides for its run: `long_overrides` if a run with `overrides` would be long."""
     return replace(case, overrides=case.long_overrides) if is_long(case) else case
 
 
@@ -113,7 +115,7 @@ def is_long(case: Case) -> bool:
 
 
 class _Chosen(dict[str, Any]):
-    """Settings by name, chosen in turn: each is that of the overrides, or else a default."""
+    """Settings by name, chosen one after another: the value of the overrides, or else a default."""
 
     def __init__(self, overrides: dict[str, float]) -> None:
         super().__init__()
@@ -135,12 +137,12 @@ def _derived(case: Case, overrides: dict[str, float]) -> Settings:
 
 
 def _choose_contacts(case: Case, chosen: _Chosen) -> None:
-    """Choose radius, stiffness and viscosity of the contact points, and the travel that goes with the stiffness."""
+    """Choose radius, stiffness and viscosity of the contact points, and the travel."""
     chosen.set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
-    # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
-    # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
+    # Stiffness and travel in the case follow the same overrides, because limit analysis with elastic joints uses them, too.
+    # A wedged structure stands on a thrust in proportion to the stiffness. So its stiffness is that of limit analysis.
     keeps_stiffness = "normal_stiffness" in chosen.overrides or chosen["wedging"] > 0.0
     chosen.set_default(least_stiffening=1.0 if keeps_stiffness else STIFFENING)
     chosen.set_default(stiffening=chosen["least_stiffening"], max_travel=case.travel)
@@ -152,7 +154,7 @@ def _choose_time_steps(case: Case, chosen: _Chosen) -> None:
     """Choose the time steps of both stages; raises CaseError for a step beyond the stable one."""
     stable = _stable_time_steps(case, chosen)
     chosen.set_default(time_step=chosen["time_step_share"] * stable["time_step"])
-    # Critical dashpots take so much energy in a step near the stable one that a tenth of it is not accounted for.
+    # Critical dashpots take so much energy in a step near the stable limit that a tenth of it is missing in the energy balance.
     longer = chosen["damping_ratio"] < CRITICAL and "time_step" not in chosen.overrides
     chosen.set_default(settling_step=chosen["time_step_share"] * stable["settling_step"] if longer else chosen["time_step"])
     for name, longest in stable.items():
@@ -162,18 +164,18 @@ def _choose_time_steps(case: Case, chosen: _Chosen) -> None:
 
 
 def _choose_motion(case: Case, chosen: _Chosen) -> None:
-    """Choose speed and duration of both stages, and what counts as rest and as a fall."""
+    """Choose speed and duration of both stages, and the limits for rest and for a fall."""
     gravity, sag = float(np.linalg.norm(case.gravity)), sag_of(case, chosen["normal_stiffness"])
-    # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g), and sideways in the same way.
+    # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g); the same formula holds for the sway.
     slow = slowness(case)
     period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
-    chosen.set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
-    # Joints stiffer than STIFFENING shorten the period, but the support does not move faster for it: the speed would matter more.
+    chosen.set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower the sway, the longer the lever from the swing to the reaction
+    # Joints stiffer than STIFFENING shorten the period, but the support keeps its speed: a higher speed would affect the reaction more.
     unhurried = period * _root_of_stiffness(chosen, STIFFENING)
     chosen.set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * unhurried))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * unhurried)  # the periods that follow from a speed in the overrides
     # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the
-    # sag: a run with joints stiffer than the travel demands looks for it earlier, and in smaller steps.
+    # sag. So a run with joints stiffer than the travel needs looks for this plateau earlier, and with rows closer to each other.
     root = _root_of_stiffness(chosen, chosen["least_stiffening"])
     chosen.set_default(record_rows=round(ROWS * root), plateau_travel=chosen["plateau_share"] * chosen["max_travel"] / root)
     chosen.set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
@@ -183,19 +185,19 @@ def _choose_motion(case: Case, chosen: _Chosen) -> None:
 
 
 def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
-    """Return the root of the joints' stiffening over one that is enough; 1 where it is less."""
+    """Return the root of the joints' stiffening over a sufficient one; at least 1."""
     return math.sqrt(max(chosen["stiffening"] / enough, 1.0))
 
 
 def most_steps(points: int) -> float:
-    """Return the most time steps of all attempts together, by the number of contact points: an attempt beyond that is not made."""
+    """Return the largest number of time steps of all attempts together, by the number of contact points; no attempt may exceed it."""
     return max(SMALL_WORK, min(MOST_STEPS * points, MOST_WORK)) / points
 
 
 def rattling_of(case: Case, settings: Settings, reaction: float) -> float:
     """Return the mean unbalanced force, over the mean block weight, above which blocks rattle. reaction: N, or N m.
 
-    Of a thousand blocks one jumps in nearly every run. This matters where its force is a share of the reaction, which many of them make.
+    Among a thousand blocks one jumps in nearly every run. This matters only if its force is a noticeable share of the reaction.
     """
     if case.live is not None:
         return settings.rattling
@@ -208,7 +210,7 @@ def sag_of(case: Case, normal_stiffness: float) -> float:
 
 
 def sway_over_sag(case: Case) -> float:
-    """Return the period of the sideways swing over that of the sag; of slender structures it is long."""
+    """Return the period of the sideways swing over that of the sag; it is large for slender structures."""
     return math.sqrt(case.sway / case.sag)
 
 
@@ -218,12 +220,12 @@ def slowness(case: Case) -> float:
 
 
 def is_content(settings: Settings) -> bool:
-    """Whether a run may end with a plateau as uncertain as that of a large structure."""
+    """Whether a run may end with a plateau that is as uncertain as for a large structure."""
     return settings.stop_uncertainty >= OF_LARGE["stop_uncertainty"]
 
 
 def steps_to_plateau(settings: Settings) -> float:
-    """Return the time steps of all attempts, if each stops at the first plateau that it may."""
+    """Return the time steps of the quick attempt and the attempt at the run's own speed, if both end at the least travel of a plateau."""
     own = (0.5 * settings.ramp_time + settings.plateau_travel / settings.speed) / settings.settling_step
     return own * (1.0 + (1.0 / settings.quick_speed if settings.quick_speed > 0.0 else 0.0))
 
@@ -252,16 +254,16 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
 
 
 def inertia_of(case: Case, normal: float, shear: float, added_mass: float) -> Inertia:
-    """Return the inertia that the blocks have in a run with this stiffness of the contact points (N/m) and this `added_mass`."""
+    """Return the inertia of the blocks in a run with this stiffness of the contact points (N/m) and this `added_mass`."""
     return slowed(case, springs_of(case, normal, shear), added_mass)
 
 
 def contact_damping(case: Case, inertia: Inertia, normal: float, shear: float) -> np.ndarray:
     """Return the viscosity (C, 2), N s/m, of every contact point along its normal and across it.
 
-    `normal` and `shear` are those of a contact whose lighter block has the mean mass. Elsewhere they follow the root
-    of the mass of the lighter of the two blocks: a light block would else be overdamped by its heavy neighbour's dashpots, and the
-    time step is as short as the largest damping ratio is high. A held block counts as heavy. Masses are those of the inertia.
+    `normal` and `shear` are the viscosities of a contact whose lighter block has the mean mass. Other viscosities are in proportion to
+    the root of the lighter block's mass. Otherwise the dashpots of a heavy neighbour would overdamp a light block, and a high damping
+    ratio shortens the time step. A held block counts as heavy. Masses are those of the inertia.
     """
     mass = np.where(case.role == FREE, inertia.mass, np.inf)
     lighter = np.minimum(mass[case.block_a], mass[case.block_b])
@@ -270,12 +272,12 @@ def contact_damping(case: Case, inertia: Inertia, normal: float, shear: float) -
 
 
 def _stable_time_steps(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
-    """Return the longest stable `time_step`, under local damping, and the longest stable `settling_step`, s."""
+    """Return the longest stable `time_step`, with local damping, and the longest stable `settling_step`, without it, s."""
     stiffness = chosen["normal_stiffness"], chosen["shear_stiffness"]
     inertia = inertia_of(case, *stiffness, chosen["added_mass"])
     stiffest = highest_eigenvalue(springs_of(case, *stiffness), inertia)
     dashpots = springs_of(case, *contact_damping(case, inertia, chosen["normal_damping"], chosen["shear_damping"]).T)
     decay = highest_eigenvalue(dashpots, inertia)
-    # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
+    # Local damping increases a braking force by its share, which has the same effect as a mass that is smaller by this factor.
     more = {"time_step": 1.0 + chosen["gravity_damping"], "settling_step": 1.0}
     return {name: stable_time_step(math.sqrt(factor * stiffest), factor * decay) for name, factor in more.items()}

@@ -1,1 +1,1 @@
-"""The frame of a run, and contact points in it: their spheres, the faces that these touch, and faces near them that they do not touch."""
+"""The frame of a run, and its contact points: their spheres, the faces in contact, and other faces near the spheres."""

@@ -10,8 +10,8 @@ from yade_scripts.contacts.rows import rows_of
 
 Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
 
-_BEYOND = 1e-6  # of the block's size: how far beyond a face a point is looked at
-_BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
+_BEYOND = 1e-6  # of the block's size: distance of the test points beyond a face
+_BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree with its corners to rounding
 
 
 def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -27,7 +27,7 @@ def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise seen from outside.
 
-    vertices (V, 3), m; face_vertex: vertex numbers of all loops; face_start (F + 1,): where each loop begins in it.
+    vertices (V, 3), m; face_vertex: vertex numbers of all loops; face_start (F + 1,): start of each loop in `face_vertex`.
     """
     normals, offsets = np.empty((len(face_start) - 1, 3)), np.empty(len(face_start) - 1)
     for face, (first, last) in enumerate(itertools.pairwise(face_start)):
@@ -40,7 +40,7 @@ def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.nd
 
 
 def parts_of(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarray, ...]) -> tuple[tuple[np.ndarray, ...], ...]:
-    """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only where a block has several."""
+    """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only if some block has several."""
     if "parts/block" not in data:
         return tuple((points,) for points in vertices)
     start, points = data["parts/vertex_start"], data["blocks/vertices"]
@@ -59,9 +59,9 @@ def faces_of_parts(data: Mapping[str, Any], index: np.ndarray, faces: Faces) -> 
 
 
 def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:
-    """Return whether each face (F,) lies within its block: everywhere beyond it there is another part of the block.
+    """Return whether each face (F,) lies within its block: other parts of the block cover it from outside.
 
-    Parts of a block that is not convex are profiles drawn out to two sides: the faces where they meet have four corners.
+    The parts of a non-convex block are extruded profiles, so the faces where two parts meet have four corners.
     """
     owner, normal, offset = faces
     within = np.zeros(len(owner), dtype=bool)
@@ -85,7 +85,7 @@ def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:
 
 
 def _between(loop: np.ndarray, vertices: np.ndarray) -> np.ndarray:
-    """Return points (n, 3) of a face with four corners (4, 3), one between each two vertices (V, 3) that follow one another along it."""
+    """Return test points (n, 3) on a face with four corners (4, 3): one in each cell of the grid that the vertices (V, 3) form on it."""
     middles = []
     for side in (loop[1] - loop[0], loop[3] - loop[0]):
         share = np.unique(np.clip([0.0, 1.0, *((vertices - loop[0]) @ side / (side @ side))], 0.0, 1.0))

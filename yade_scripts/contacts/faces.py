@@ -1,4 +1,4 @@
-"""The faces that contact spheres touch, as YADE bodies: boxes, polyhedra, and slabs with one face."""
+"""The faces in contact with spheres, as YADE bodies: boxes, polyhedra, and slabs with one face."""
 
 import numpy as np
 from yade import Body, Box
@@ -9,11 +9,11 @@ from yade_scripts.contacts.convex_parts import box_extents
 
 try:
     from yade.minieigenHP import Quaternion, Vector3
-except ImportError:  # YADE before 2022 kept them in a package of their own
+except ImportError:  # before 2022 YADE used a separate package
     from minieigen import Quaternion, Vector3
 try:
     from yade import Polyhedra
-except ImportError:  # YADE built without CGAL, as Debian 13 has it: boxes alone offer faces
+except ImportError:  # YADE was built without CGAL, as in Debian 13: only boxes can be faces
     Polyhedra = None
 
 _FREE_FACE, _HELD_FACE = 0b101, 0b010  # masks, see `bodies`
@@ -22,14 +22,15 @@ _SHAPE_TOLERANCE = 1e-9  # of the block's size
 
 
 class YadeError(Exception):
-    """YADE built something other than the case; the message says what."""
+    """The bodies that YADE built differ from the case; the message names the difference."""
 
 
 def faces_of(case: Case, block: int, touching: np.ndarray) -> list[tuple[Body, np.ndarray]]:
-    """Return the massless bodies that other blocks' spheres touch, each with the indices of its contact points.
+    """Return the massless bodies of a block that other blocks' spheres touch, each with the indices of its contact points.
 
-    As a rule it is one body, the block's solid. Unless YADE looks for new contacts, one box for each face in contact replaces a polyhedron:
-    a step is then three to seven times as fast, because YADE searches polyhedra triangle by triangle.
+    A block that is a box has one body. While YADE looks for new contacts, any other block has one body for each of its convex parts.
+    Otherwise it has one box for each face in contact instead of a polyhedron: a step is then three to seven times as fast, because YADE
+    searches polyhedra triangle by triangle.
 
     touching: contact points (n,) of the spheres that touch the block.
     """
@@ -49,7 +50,7 @@ def faces_of(case: Case, block: int, touching: np.ndarray) -> list[tuple[Body, n
 
 
 def _levels(case: Case, block: int, outward: np.ndarray, points: np.ndarray) -> list[np.ndarray]:
-    """Return the contact points of one normal (3,), those on one plane together: a convex block has one face of a normal."""
+    """Return the contact points of one normal (3,), grouped by plane; a convex block has only one face with a given normal."""
     if len(case.parts[block]) == 1:
         return [points]
     height = case.position[points] @ outward
@@ -59,7 +60,7 @@ def _levels(case: Case, block: int, outward: np.ndarray, points: np.ndarray) -> 
 
 
 def _nearest_parts(case: Case, block: int, touching: np.ndarray) -> np.ndarray:
-    """Return for each contact point in `touching` (n,) the convex part of the block whose bounding box it lies in, or is nearest to."""
+    """Return for each contact point in `touching` (n,) the convex part whose bounding box contains it or is nearest to it."""
     low = np.array([points.min(axis=0) for points in case.parts[block]])
     high = np.array([points.max(axis=0) for points in case.parts[block]])
     place = case.position[touching][:, None]
@@ -81,7 +82,7 @@ def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
 
 
 def _solid(case: Case, block: int, vertices: np.ndarray) -> Body:
-    """Return the solid of a convex part with these vertices (n, 3), a box or a polyhedron; raises YadeError where YADE cannot build it."""
+    """Return the solid of a convex part with these vertices (n, 3), a box or a polyhedron; raises YadeError if YADE cannot build it."""
     body = Body()
     box = box_extents(vertices)
     if box is not None:
@@ -93,7 +94,7 @@ def _solid(case: Case, block: int, vertices: np.ndarray) -> Body:
             'Debian 12\'s, or set displacement = "small" in [effects] where no new contact can form'
         )
     else:
-        # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
+        # YADE stores a polyhedron's vertices relative to its centroid and principal axes; the pose of the body restores their places.
         body.shape = Polyhedra(v=[Vector3(vertex) for vertex in vertices])
         body.state.pos, body.state.ori = body.shape.GetCentroid(), body.shape.GetOri()
         _check_polyhedron(block, vertices, body)

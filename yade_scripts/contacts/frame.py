@@ -1,7 +1,7 @@
-"""The frame of a run: its origin lies near the blocks, however far they lie from that of the scene.
+"""The frame of a run: its origin lies near the blocks, even if the blocks lie far from the origin of the scene.
 
-A survey lies in the grid of a country, 1e5 to 1e7 m from its origin. YADE finds the inertia of a block by way of the origin, and loses it
-in round-off where this origin is some 1e5 block sizes away.
+A survey has coordinates of a national grid, 1e5 to 1e7 m from its origin. YADE computes the inertia of a block about the origin first. The
+inertia is lost in round-off if the origin is some 1e5 block sizes away.
 """
 
 from collections.abc import Mapping
@@ -11,11 +11,11 @@ import numpy as np
 
 _PLACES = ("blocks/vertices", "blocks/centroid", "contacts/position")
 _TWISTS = ("scene/support_twist", "blocks/support_twist")
-_WIDTHS = 2.0  # of the structure, rounded up to a power of two: unit of the shift, so that a structure near the origin stays in place
+_WIDTHS = 2.0  # unit of the shift over the structure's width, rounded up to a power of two; a structure near the origin stays in place
 
 
 def origin_near(vertices: np.ndarray) -> np.ndarray:
-    """Return the origin (3,), m, of a frame near all vertices (V, 3), m; 0 where they lie near that of the scene, or are no numbers."""
+    """Return the origin (3,), m, of a frame near all vertices (V, 3), m; 0 if they lie near the scene's origin or are not finite."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     width = float((high - low).max())
     if not (np.isfinite(width) and width > 0.0):
@@ -25,7 +25,7 @@ def origin_near(vertices: np.ndarray) -> np.ndarray:
 
 
 def near_blocks(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], np.ndarray]:
-    """Return the fields of a case in a frame near its blocks, and the origin (3,) of this frame in that of the file, m."""
+    """Return the fields of a case in a frame near its blocks, and the origin (3,) of this frame in the frame of the file, m."""
     origin = origin_near(data["blocks/vertices"])
     if not origin.any():
         return data, origin
@@ -37,5 +37,5 @@ def near_blocks(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], np.ndarray]
 
 
 def about_old_origin(wrenches: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Return wrenches (N, 6) about the origin of a run as wrenches about that of the file, N and N m; origin: (3,), m."""
+    """Return wrenches (N, 6) about the origin of a run as wrenches about the origin of the file, N and N m; origin: (3,), m."""
     return np.concatenate([wrenches[:, :3], wrenches[:, 3:] + np.cross(origin, wrenches[:, :3])], axis=1)

@@ -1,10 +1,10 @@
-"""Faces near a contact sphere that it does not touch: a run looks for no new contact while none can form.
+"""Faces near a contact sphere that it does not touch: a run does not look for new contacts while none can form.
 
-With finite displacements a sphere may meet any face of any block. To look for such contacts YADE needs a collider and, for blocks that
-are no boxes along the axes, polyhedra, which it searches triangle by triangle. Most runs end long before a sphere comes near another face.
-At the start a face plane lies between each sphere and each convex part near it. No contact forms until the two blocks have approached each
-other across this plane by the gap between sphere and plane. So an attempt begins with the listed contacts alone. It is repeated with the
-search where such a gap is used up, or where a contact point comes to the edge of its face.
+With finite displacements a sphere may touch any face of any block. To find such contacts YADE needs a collider. For blocks that are no
+boxes along the axes it also needs polyhedra, which it searches triangle by triangle. Most runs end long before a sphere comes near another
+face. At the start a face plane lies between each sphere and each convex part near it. No contact forms until the two blocks have approached
+each other across this plane by the gap between sphere and plane. So an attempt begins with the listed contacts alone. It is repeated with
+the search if such a gap is used up, or if a contact point comes to the edge of its face.
 """
 
 from collections.abc import Iterator
@@ -17,9 +17,9 @@ from yade_scripts.contacts.rows import rows_of
 from yade_scripts.contacts.sphere_placement import are_others
 from yade_scripts.settings import Settings
 
-NEAR = 10.0  # travels: farther parts are not watched, and the attempt ends where a block has moved by half of this
-LEFT = 0.1  # of a gap: what must be left of it, for blocks move on between two looks
-_SAME_FACE = 0.05  # of a sphere's radius: a part of the sphere's own partner with a smaller gap goes on in the plane of the contact
+NEAR = 10.0  # distance in travels beyond which parts are not watched; the attempt ends if a block has moved by half of this
+LEFT = 0.1  # least remaining share of a gap, because blocks move on between two tests
+_SAME_FACE = 0.05  # of a sphere's radius: a part of the partner block with a smaller gap continues the plane of the contact
 
 
 class NearFaces:
@@ -39,7 +39,7 @@ class NearFaces:
     faces : list of (f, 4) arrays
         Outward normals of the part's face planes, and their distances from the sphere at the start, m.
     normal, gap : (N, 3) and (N,) arrays
-        Those of the plane that is farthest from the sphere.
+        Normal and distance, m, of the plane that is farthest from the sphere.
     on_face : (E,) array
         Contact points on faces that YADE models as the top of a wider box; one entry for each edge.
     edge : (E, 4) array
@@ -63,9 +63,9 @@ class NearFaces:
         self._size = np.array([np.linalg.norm(vertices - centroid, axis=1).max() for vertices, centroid in around])
 
     def _near_parts(self) -> Iterator[tuple[np.ndarray, int, np.ndarray, list[np.ndarray]]]:
-        """Yield for each convex part the spheres near it, its block, the plane farthest from each, and all planes of each."""
+        """Yield for each convex part its block, the spheres near it, and for each sphere the farthest plane and all planes of the part."""
         case, reach = self.case, self._reach + self._radius[:, None]
-        axis = int(np.ptp(case.centroid, axis=0).argmax())  # the longest way: the fewest spheres lie between the ends of a part
+        axis = int(np.ptp(case.centroid, axis=0).argmax())  # along the longest axis the fewest spheres lie between the ends of a part
         order = np.argsort(self._centre[:, axis], kind="stable")
         centre, reach, host = self._centre[order], reach[order], case.host[order]
         along, farthest = centre[:, axis].copy(), reach.max(initial=0.0)
@@ -85,7 +85,7 @@ class NearFaces:
                 yield spheres[kept], block, np.array([one[one[:, 3].argmax()] for one in planes]).reshape(-1, 4), planes
 
     def _edges(self, into_host: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the contact points on faces of blocks that are no boxes, and the planes across the edges of these faces."""
+        """Return the contact points on faces of convex blocks that are no boxes, and the planes across the edges of these faces."""
         case, points, planes = self.case, [np.zeros(0, dtype=int)], [np.zeros((0, 4))]
         for block, touching in enumerate(rows_of(case.target, len(case.parts))):
             if case.boxes[block] is not None or len(case.parts[block]) > 1:
@@ -98,12 +98,12 @@ class NearFaces:
         return np.concatenate(points), np.concatenate(planes)
 
     def are_met(self, displacement: np.ndarray, rotation: np.ndarray) -> bool:
-        """Whether a sphere may have come to another face, for displacements (B, 3), m, and rotations (B, 3), rad, of the blocks."""
+        """Whether a sphere may have reached another face, for displacements (B, 3), m, and rotations (B, 3), rad, of the blocks."""
         if (np.linalg.norm(displacement, axis=1) + np.linalg.norm(rotation, axis=1) * self._size).max() > 0.5 * self._reach:
             return True
         moved = self._approach(self.sphere, self.block, self._centre, displacement, rotation)
         used_up = self.gap + np.einsum("ni,ni->n", moved, self.normal) <= LEFT * self.gap
-        for pair in np.flatnonzero(used_up).tolist():  # another plane may still be between the two
+        for pair in np.flatnonzero(used_up).tolist():  # another plane may still lie between the sphere and the part
             normal, distance = self.faces[pair][:, :3], self.faces[pair][:, 3]
             if (distance + normal @ moved[pair]).max() <= LEFT * self.gap[pair]:
                 return True

@@ -1,4 +1,4 @@
-"""Choose the block that carries the sphere of each contact point, and how large the sphere may be; the other block offers its face."""
+"""Choose the block that carries the sphere of each contact point, and the sphere's size; the other block has the face in contact."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -9,16 +9,17 @@ from la_core.exchange import RADIUS_OVER_INSET
 from yade_scripts.contacts.convex_parts import Faces, are_within
 from yade_scripts.contacts.rows import rows_of
 
-CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
-_ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
-_IN_PLANE = 1e-9  # of the distance to the farthest face: a point this close to a plane lies in it
+CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, so that moving blocks do not close it
+# Least cosine between the normals of one face; least |y| of the normal of a face across y, which a plane motion never reaches.
+_ALONG, _ACROSS = 1.0 - 1e-6, 0.5
+_IN_PLANE = 1e-9  # of the distance to the farthest face: a point this close to a plane lies in the plane
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
 def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[np.ndarray, np.ndarray]:
     """Return host (C,) and inset (C,), m, of each contact point's sphere; hosts, `boxes` and `faces` have block numbers of the file.
 
-    Faces where the parts of one block meet do not count: a sphere that sticks out of them stays within the block.
+    Faces between two parts of one block do not count: a sphere that sticks out of such a face stays within the block.
     """
     within = are_within(data, faces)
     faces = faces[0][~within], faces[1][~within], faces[2][~within]
@@ -36,8 +37,8 @@ def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[n
 def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Return the block (C,) that carries the sphere of each contact point; the other block offers its face.
 
-    A box is preferred for the face, because it is YADE's exact and cheapest target. Otherwise the face is that of the block in which
-    the point lies farther from the edges, so that slip does not carry the sphere off it.
+    A box is preferred for the face, because it is YADE's exact and cheapest body. Otherwise the face belongs to the block in which the
+    point lies farther from the edges, so that the sphere does not slip off it.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: n
 
 
 def depth_in_faces(position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool) -> np.ndarray:
-    """Return the distance (C,), m, of every contact point to the nearest face plane of its block, without the face in contact.
+    """Return the distance (C,), m, of every contact point to the nearest face plane of its block other than the face in contact.
 
     Parameters
     ----------
@@ -79,9 +80,10 @@ def depth_in_faces(position: np.ndarray, normal: np.ndarray, block: np.ndarray, 
 def largest_radius(position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool) -> np.ndarray:
     """Return the radius (C,), m, up to which the sphere of a contact point stays clear of the other faces of its block.
 
-    In a sharp corner a sphere that is tangent to one face would stick out of the other one and touch what lies there: with a radius of half
-    the inset in corners of less than 53 degrees. The sphere of radius r around *point* - r *normal* is a gap g + r n.m - r away from a
-    face with the normal m that lies g from the point. Parameters are those of `depth_in_faces`, of the blocks that carry the spheres.
+    In a sharp corner a sphere that is tangent to one face would stick out of the other face and touch another block. With a radius of half
+    the inset this occurs in corners of less than 53 degrees. The sphere of radius r has its centre at *point* - r *normal*. Its gap to a
+    face with the normal m at the distance g from the point is g + r n.m - r. The parameters are those of `depth_in_faces`, for the blocks
+    that carry the spheres.
     """
     radius = np.empty(len(position))
     for rows, distance, along in _other_faces(position, normal, block, faces, plane):
@@ -94,7 +96,7 @@ def largest_radius(position: np.ndarray, normal: np.ndarray, block: np.ndarray, 
 def _other_faces(
     position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield, block by block, its contact points, their distances (n, F), m, to its other faces, and the cosines (n, F) between normals.
+    """Yield for each block its contact points, their distances (n, F), m, to its other faces, and the cosines (n, F) between normals.
 
     The distance to the face in contact, and in plane cases to faces across y, is inf.
     """
@@ -109,7 +111,7 @@ def _other_faces(
 
 
 def are_others(faces: np.ndarray, normal: np.ndarray, plane: bool) -> np.ndarray:
-    """Return whether faces with outward normals (F, 3) are other ones than those with the normals (n, 3), as (n, F).
+    """Return (n, F) whether faces with outward normals (F, 3) differ from the faces with the normals (n, 3).
 
     In plane cases faces across y do not count as others.
     """

@@ -1,4 +1,4 @@
-"""What moves a structure in a run, supports or the servo of a live load, and what keeps its blocks from swinging."""
+"""The drive of a run, by supports or by the servo of a live load, and the damper of the blocks' swing."""
 
 from yade_scripts.driving.servo import LARGEST_MULTIPLIER, Servo, pushed_of, servo_of
 from yade_scripts.driving.supports import drives_of, ramp, set_speed

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def drives_of(case: Case, clumps: Sequence[int]) -> list[KinematicEngine]:
-    """Return an engine for each distinct motion of supports, in the order of `Case.motions`. clumps: of all blocks."""
+    """Return an engine for each distinct motion of supports, in the order of `Case.motions`. clumps: the clump of each block."""
     alike = [np.flatnonzero((case.support_twists == twist).all(axis=1)).tolist() for twist in case.motions]
     return [_drive(twist, [clumps[block] for block in blocks]) for twist, blocks in zip(case.motions, alike, strict=True)]
 
@@ -42,5 +42,5 @@ def set_speed(case: Case, drives: list[KinematicEngine], speed: float) -> None:
 
 
 def ramp(elapsed: float, duration: float) -> float:
-    """Return the share of a cosine ramp from rest, `elapsed` seconds after its start."""
+    """Return the value of a cosine ramp from 0 to 1, `elapsed` seconds after its start."""
     return 0.5 - 0.5 * math.cos(math.pi * elapsed / duration) if elapsed < duration else 1.0

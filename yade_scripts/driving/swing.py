@@ -1,9 +1,9 @@
 """Damp the swing of the blocks about their steady motion, without a force on the motion itself.
 
-Friction that does not dilate feeds energy into the swing of some structures (flutter): it grows until blocks stick and slip. A sliding
-joint has no dashpot along its face, so the contacts cannot hold such a swing; a drag on the blocks can, but it would brake the steady
-motion, too. So the drag here acts on the difference between a block's velocity and its own mean velocity over the last moments. Over a
-steady motion this difference vanishes on the mean, and so does the drag: the balance of weights, reaction and contact forces is untouched.
+Friction without dilatancy feeds energy into the swing of some structures (flutter). The swing then grows until blocks stick and slip. The
+contacts cannot damp it, because a sliding joint has no dashpot along its face. A drag on the blocks can, but it would also brake the
+steady motion. So the drag here acts on the difference between a block's velocity and its own mean velocity over a period of the sag. In a
+steady motion the mean of this difference is zero, and so is the mean drag: weights, reaction and contact forces stay in balance.
 """
 
 import math
@@ -17,10 +17,11 @@ from yade_scripts.case import Case
 from yade_scripts.settings import Settings, sag_of
 from yade_scripts.vibration import Inertia
 
-# Periods of the sag over which the mean velocity is taken. A slow motion feels the drag as inertia: with one period and a damping ratio of
-# 0.5 blocks seem seven times as heavy. With half a period (four times) scene 96 of the random scenes took three times as many steps.
+# Periods of the sag over which the mean velocity is taken. In a slow motion the drag acts like inertia: with one period and a damping
+# ratio of 0.5 blocks seem seven times as heavy. With half a period they seem four times as heavy, but scene 96 of the random scenes took
+# three times as many steps.
 MEAN_PERIODS = 1.0
-EVERY = 1.0  # over the frequency of the sag (rad/s): time from one damping to the next
+EVERY = 1.0  # time from one damping to the next, times the frequency of the sag (rad/s)
 
 
 @dataclass
@@ -32,7 +33,7 @@ class SwingDamper:
     states : sequence
         State of each block in YADE.
     turns_by_momentum : bool
-        Whether YADE turns the blocks by their angular momentum, as in space; in the plane it turns them by their velocity.
+        Whether YADE rotates the blocks by their angular momentum (cases in space) rather than by their angular velocity (plane cases).
     inertia : np.ndarray
         Moment of inertia (F, 3, 3) about the centroid in global axes, kg m2.
     share : float
@@ -60,7 +61,7 @@ class SwingDamper:
     def damp(self) -> None:
         """Bring the velocities of all blocks nearer to their means.
 
-        A velocity that is scaled down loses energy whatever its phase, so this is stable however long the interval is.
+        To scale a velocity down takes energy at any phase of the swing, so the damping is stable for any interval.
         """
         pairs = [(state.vel, state.angVel) for state in self.states]
         velocities = np.array([(v[0], v[1], v[2], w[0], w[1], w[2]) for v, w in pairs])
@@ -76,7 +77,7 @@ class SwingDamper:
                 state.angMom = [before + extra for before, extra in zip(state.angMom, more, strict=True)]
 
     def changes(self, velocities: np.ndarray) -> np.ndarray:
-        """Return what to add to velocities (F, 6), m/s and rad/s, and renew their means."""
+        """Return the corrections of the velocities (F, 6), m/s and rad/s, and renew the mean velocities."""
         if len(self._mean) == 0:
             self._mean = np.zeros_like(velocities)
         self._mean += self.renewed * (velocities - self._mean)

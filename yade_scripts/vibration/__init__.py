@@ -1,4 +1,4 @@
-"""How blocks swing on their contact points: springs, the inertia that a quasi-static run gives the blocks, and the stable time step."""
+"""Vibration of blocks on their contact points: springs, inertia of the blocks in a quasi-static run, and the stable time step."""
 
 from yade_scripts.vibration.inertia import Inertia, slowed
 from yade_scripts.vibration.springs import springs_of

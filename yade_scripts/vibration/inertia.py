@@ -1,8 +1,8 @@
-"""The inertia of the blocks in a quasi-static run: free to choose, because only forces that balance count.
+"""The inertia of the blocks in a quasi-static run. It may be chosen freely, because only the balance of forces counts.
 
-The fastest swing of a few blocks dictates the time step of all. So their inertia is made larger, and their weight stays. A block on
-corner contacts turns up to 1.7 times as fast as it shifts: its moment of inertia grows until it turns as slowly as it shifts. And the
-blocks that shift fastest, which are light for their contacts, gain inert mass, up to a share of the mass of all blocks.
+The fastest vibration of a few blocks determines the time step of all. So their inertia is increased, and their weight is kept. A block on
+corner contacts rotates up to 1.7 times as fast as it translates: its moment of inertia is increased until both are equally slow. The
+blocks that translate fastest are light for the stiffness of their contacts: they gain inert mass, up to a share of the mass of all blocks.
 """
 
 from dataclasses import dataclass
@@ -25,16 +25,16 @@ class Inertia:
     Attributes
     ----------
     mass : np.ndarray
-        Mass (B,), kg; weights are not those of this mass.
+        Inert mass (B,), kg; the weights are those of the true mass.
     tensor : np.ndarray
-        Moment of inertia (B, 3, 3) about the centroid in global axes, kg m2; of plane cases that of the plane in every direction.
+        Moment of inertia (B, 3, 3) about the centroid in global axes, kg m2; in plane cases the moment in the plane about every axis.
     """
 
     mass: np.ndarray
     tensor: np.ndarray
 
     def accelerations(self, wrenches: np.ndarray) -> np.ndarray:
-        """Return the accelerations (B, 6), m/s2 and rad/s2, by forces and moments (B, 6), N and N m."""
+        """Return the accelerations (B, 6), m/s2 and rad/s2, under forces and moments (B, 6), N and N m."""
         return np.hstack([wrenches[:, :3] / self.mass[:, None], np.einsum("bij,bj->bi", self._inverse, wrenches[:, 3:])])
 
     @cached_property
@@ -43,7 +43,7 @@ class Inertia:
 
 
 def slowed(case: Case, springs: Springs, added: float) -> Inertia:
-    """Return the inertia of a run: rotations as slow as translations, and `added` times the mass of the free blocks on the fastest of them.
+    """Return the inertia of a run: rotations as slow as translations, and added mass on the free blocks that translate fastest.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def slowed(case: Case, springs: Springs, added: float) -> Inertia:
     springs : Springs
         Springs at the contact points.
     added : float
-        Share of the mass of all free blocks; 0 for the true inertia.
+        Added mass over the mass of all free blocks; 0 for the true inertia.
     """
     true = Inertia(case.mass, case.inertia[:, 1, 1, None, None] * np.eye(3) if case.plane else case.inertia)
     if added == 0.0:
@@ -69,9 +69,9 @@ def slowed(case: Case, springs: Springs, added: float) -> Inertia:
 
 
 def _levelled(stiffness: np.ndarray, mass: np.ndarray, added: float) -> np.ndarray:
-    """Return masses (n,) that lower the largest of stiffness over mass as far as `added` times the whole mass allows."""
+    """Return masses (n,) with the lowest possible maximum of stiffness over mass, for an added mass of at most `added` times the total."""
     high = float((stiffness / mass).max())
-    low = high / MOST  # the fastest block cannot be made slower than this, and to slow the others down further would be of no use
+    low = high / MOST  # the fastest block cannot become slower than this, so slower other blocks would not help
     for _ in range(_BISECTIONS if high > 0.0 else 0):
         level = 0.5 * (low + high)
         if (np.maximum(mass, stiffness / level) - mass).sum() > added * mass.sum():

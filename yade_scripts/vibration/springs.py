@@ -13,18 +13,18 @@ _PLANE_FREEDOMS = np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0])
 class Springs:
     """Bilateral springs, or dashpots, at every contact point, as an operator K. No matrix of the structure is built.
 
-    A vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
+    The operator acts on the twists (B, 6) of the blocks about their centroids; the twists of held blocks stay 0.
 
     Attributes
     ----------
     case : Case
         B blocks and C contact points.
     normal, shear : np.ndarray
-        Stiffness (C,) of every contact point along its normal and across it, N/m; of dashpots the viscosity, N s/m.
+        Stiffness (C,) of every contact point along its normal and across it, N/m; for dashpots the viscosity, N s/m.
     arm_a, arm_b : np.ndarray
         Arms (C, 3) from the centroids of blocks a and b to the contact points, m.
     freedoms : np.ndarray
-        1.0 for each free component of the twists (B, 6), else 0.0.
+        1.0 for each free component of the twists (B, 6), 0.0 for the others.
     """
 
     case: Case
@@ -54,13 +54,13 @@ class Springs:
         return total * self.freedoms
 
     def of_blocks(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the stiffness (B, 3, 3) of every block against shifting, N/m, and against turning, N m/rad, while all others stand."""
+        """Return the stiffness (B, 3, 3) of every block in translation, N/m, and in rotation, N m/rad, with all other blocks held."""
         case, normal = self.case, self.case.normal
         along = normal[:, :, None] * normal[:, None, :]
         each = self.shear[:, None, None] * np.eye(3) + (self.normal - self.shear)[:, None, None] * along
         shifting, turning = np.zeros((2, len(case.mass), 3, 3))
         for block, arm in ((case.block_a, self.arm_a), (case.block_b, self.arm_b)):
-            lever = np.cross(np.eye(3)[None], arm[:, None])  # of a rotation about each axis, the displacement at the contact point
+            lever = np.cross(np.eye(3)[None], arm[:, None])  # displacement at the contact point by a unit rotation about each axis
             np.add.at(shifting, block, each)
             np.add.at(turning, block, lever @ each @ np.swapaxes(lever, 1, 2))
         movable = self.freedoms[:, :, None] * self.freedoms[:, None, :]
@@ -68,12 +68,12 @@ class Springs:
 
 
 def _cross(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the cross products of vectors (n, 3); for few of them numpy's own spends its time on axes."""
+    """Return the cross products of vectors (n, 3); numpy.cross spends most of its time on axes if there are few vectors."""
     return left[:, [1, 2, 0]] * right[:, [2, 0, 1]] - left[:, [2, 0, 1]] * right[:, [1, 2, 0]]
 
 
 def springs_of(case: Case, normal: np.ndarray | float, shear: np.ndarray | float) -> Springs:
-    """Return springs of `normal` and `shear` stiffness (N/m), alike or one (C,) for each contact point of the case."""
+    """Return springs of `normal` and `shear` stiffness (N/m), one value for all contact points or one (C,) for each."""
     freedoms = np.outer(np.isin(np.arange(len(case.mass)), case.free), _PLANE_FREEDOMS if case.plane else np.ones(6))
     arm_a, arm_b = case.position - case.centroid[case.block_a], case.position - case.centroid[case.block_b]
     normal, shear = (np.broadcast_to(stiffness, len(case.position)) for stiffness in (normal, shear))
