@@ -1,4 +1,4 @@
-"""Table of effects: on or off, how each is modelled and why, the savings of leaving it out and the cost of keeping it."""
+"""Table of effects: on or off, the model and its reason, the savings without the effect and its cost."""
 
 from typing import Any
 
@@ -9,10 +9,10 @@ from la_core.geometry import contact_points
 from la_core.model import PLANE_FREEDOMS, Assembly
 from la_core.scene import Scene
 
-PATHS = len(PredictionSettings().viscosities)  # of a prediction; the search for a sliding joint follows one
+PATHS = len(PredictionSettings().viscosities)  # number of paths of a prediction; the search for a sliding joint needs one
 BODIES_OF_BLOCK = 3  # clump, carrier and face
 
-EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices that leave the effect out
+EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices without the effect
     "plane": (True,),
     "friction": ("none-slides", "associated"),
     "elasticity": ("none",),
@@ -21,7 +21,7 @@ EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices that leave the effect 
     "displacement": ("small",),
     "recording": ("plateau",),
 }
-WORDS = {  # the physical effect that is on or off
+WORDS = {  # names of the physical effects
     "plane": "motion out of the plane",
     "friction": "sliding without dilatancy",
     "elasticity": "strain of the joints",
@@ -35,19 +35,19 @@ WORDS = {  # the physical effect that is on or off
 def effects_summary(scene: Scene, whole: Assembly, assembly: Assembly, analysis: LimitAnalysis | None = None) -> dict[str, Any]:
     """Return the choice of each effect, all reasons, and `table` with one row for each effect, in the order of EFFECTS.
 
-    A row has effect, what (its meaning), on, modelled, reason, saved (counts by name, where it is off) and seconds (measured, where it
-    is on and limit analysis spent time on it alone; else None).
+    A row has effect, what (its meaning), on, modelled, reason, saved (counts by name if the effect is off) and seconds (measured if the
+    effect is on and limit analysis spent time on it alone; else None).
 
     Parameters
     ----------
     scene : Scene
         The scene of the analysis.
     whole : Assembly
-        Assembly of every block.
+        Assembly of all blocks.
     assembly : Assembly
-        Assembly as it is modelled.
+        Assembly of the modelled blocks.
     analysis : LimitAnalysis or None
-        Its result, None before it was made.
+        Result of limit analysis; None before the analysis.
     """
     effects = assembly.effects
     saved, seconds = _saved(scene, whole, assembly), _seconds(analysis)
@@ -74,7 +74,7 @@ def _modelled(name: str, choice: bool | str) -> str:
 
 
 def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[str, int]]:
-    """Return the counts that each effect saves where it is left out, compared with the same model with it."""
+    """Return the counts that a model without each effect saves, compared with the same model with the effect."""
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
@@ -104,7 +104,7 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
 
 
 def _seconds(analysis: LimitAnalysis | None) -> dict[str, float]:
-    """Return the solver's seconds that an effect alone took, by effect."""
+    """Return the solver's seconds for each effect alone, by effect."""
     if analysis is None or analysis.coulomb is None:
         return {}
     solutions = {id(solution): solution for solution in (analysis.coulomb, analysis.sharp.coulomb) if solution is not None}

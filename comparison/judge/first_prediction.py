@@ -1,4 +1,4 @@
-"""The answer that limit analysis gave before YADE ran, where YADE's run showed afterwards that it had left out a needed effect."""
+"""The first answer of limit analysis, from before YADE's run, if this run showed that the answer lacks a needed effect."""
 
 import json
 from typing import Any
@@ -8,13 +8,13 @@ from comparison.numbers import several_plateaus, with_uncertainty
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values
 from la_core.text_table import exists
 
-WITHOUT = {  # what the first answer was without, by effect
+WITHOUT = {  # phrase for the lack of each effect in the first answer
     "friction": "sliding",
     "plane": "motion out of the plane",
     "reach": "blocks beyond the support's reach",
     "displacement": "new contacts",
 }
-WHY = {  # why the effect was restored
+WHY = {  # reason why the effect was restored
     "friction": "joints slide in YADE, so friction was modelled",
     "plane": "the plane answer does not hold in space, so motion in space was modelled",
     "reach": "blocks that were left out do not rest in YADE, so all blocks were modelled",
@@ -23,9 +23,9 @@ WHY = {  # why the effect was restored
 
 
 def answer_of(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Return what an analysis says.
+    """Return the answer of an analysis.
 
-    The keys are `left_out` (the effects that the answer does without), `associated` and `coulomb` (as in `limit_analysis` of
+    The keys are `left_out` (the effects that the model leaves out), `associated` and `coulomb` (as in `limit_analysis` of
     `comparison.json`; `coulomb` is None without a prediction).
     """
     effects = analysis.assembly.effects
@@ -36,14 +36,14 @@ def answer_of(analysis: LimitAnalysis) -> dict[str, Any]:
 def answer_of_text(text: str) -> dict[str, Any]:
     """Return an answer that was stored as JSON; raises an error of Python for any other text."""
     answer = dict(json.loads(text))
-    _value(answer, "")  # it reads all that the sentence needs: a text without that must not pass for an answer
+    _value(answer, "")  # this reads all values of the sentence, so that a text without them is not accepted as an answer
     return answer | {"left_out": list(answer["left_out"])}
 
 
 def first_prediction_summary(first: dict[str, Any] | None, analysis: LimitAnalysis) -> dict[str, Any] | None:
     """Return the first answer with `restored`, the effects restored since, and `sentence`, both answers in words; None without one.
 
-    first: in the form of `answer_of`, None where no effect was restored. analysis: the one with the restored effects.
+    first: the first answer in the form of `answer_of`, None if no effect was restored. analysis: the analysis with the restored effects.
     """
     if first is None:
         return None
@@ -55,7 +55,7 @@ def first_prediction_summary(first: dict[str, Any] | None, analysis: LimitAnalys
 
 
 def _value(answer: dict[str, Any], unit: str) -> str:
-    """Return the value that is compared with YADE, its uncertainty and unit, all plateaus, and the status unless it is solved."""
+    """Return the value that is compared with YADE, with uncertainty, unit and all plateaus, and with the status unless this is solved."""
     found = answer["coulomb"] or answer["associated"]
     status, shared = str(found.get("status")), found.get("shared_inset", found)
     value = shared.get("reaction", shared.get("multiplier"))

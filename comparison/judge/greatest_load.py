@@ -1,8 +1,8 @@
 """The greatest live load on the way to a plateau: friction may lock a thrust in, and the structure carries more until blocks slip.
 
-Both methods follow the motion of the blocks. Their answer is the plateau, the load that keeps the blocks moving. Their curves may pass
-a greater load. A structure under a load that only grows, as on a tilting table, stands up to there. Limit analysis gives this peak with
-an uncertainty. The inertia of a run lifts YADE's record while blocks gain speed, so that its greatest value is no load to rely on.
+Both methods follow the motion of the blocks. Their answer is the plateau, the load that keeps the blocks moving. Their curves may have a
+peak before it. Under a load that only grows, as on a tilting table, a structure stands up to this peak. Limit analysis gives the peak with
+an uncertainty. In a run of YADE inertia raises the record while blocks gain speed, so its greatest value is not reliable.
 """
 
 from typing import Any, NamedTuple
@@ -16,26 +16,27 @@ from la_core.exchange import UNCERTAIN
 from la_core.limit import Status
 from la_core.scene import tilt_angles
 
-# Of the multiplier. Of 36 small structures the drag of the usual paths made up to 4 %, and inertia in YADE up to 8 %, which vanished
-# with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is told only beside one of limit analysis. On large
-# structures, whose peak is unknown, drag may make more: the sentence says so.
+# Least excess of a peak, as a share of the multiplier. On 36 small structures the drag of the usual paths raised the peak by up to 4 %, and
+# inertia in YADE by up to 8 %. Both effects vanished with a hundredth of the drag and an eighth of the speed. So YADE's greatest load is
+# reported only together with that of limit analysis. On large structures, whose peak is unknown, drag may add more, as the sentence says.
 LEAST_MORE = 0.05
-LEAST_MULTIPLIER = 0.01  # an excess over less than this is relative to this
+LEAST_MULTIPLIER = 0.01  # the excess over a smaller multiplier is relative to this value
 
 
 class _Way(NamedTuple):
-    """Greatest multiplier of one method on the way to its plateau; its uncertainty is NaN where drag or inertia may have a part in it."""
+    """Greatest multiplier of one method on the way to its plateau; its uncertainty is NaN if drag or inertia may have raised it."""
 
     greatest: float
     uncertainty: float = float("nan")
 
 
 def greatest_load_summary(results: Results) -> dict[str, Any] | None:
-    """Return the greatest multiplier on the way by method, and a sentence on it; None where none is clearly above its plateau.
+    """Return the greatest multiplier by method, and a sentence on it; None if no method has one clearly above its plateau.
 
-    The peak of limit analysis is told where it is above the plateau by both uncertainties and UNCERTAIN. A greatest multiplier without an
-    uncertainty, of YADE or of a large structure, has to be above its plateau by LEAST_MORE and the uncertainty of the plateau. A multiplier
-    above the associated bound is left out: no state in balance is there. YADE's is told only beside that of limit analysis.
+    The peak of limit analysis is reported if it is above the plateau by more than both uncertainties and UNCERTAIN. A greatest multiplier
+    without an uncertainty (of YADE, or of a large structure) must be above its plateau by more than LEAST_MORE and the uncertainty of the
+    plateau. A multiplier above the associated bound is left out, because no equilibrium exists there. YADE's multiplier is reported only
+    together with that of limit analysis.
     """
     analysis, run = results.analysis, results.run
     if analysis.scene.live is None:
@@ -57,21 +58,21 @@ def greatest_load_summary(results: Results) -> dict[str, Any] | None:
 
 
 def _of_peak(known: np.ndarray, level: float, uncertainty: float, most: float) -> _Way | None:
-    """Return a peak with its uncertainty, (2,); None where it is not clearly above its plateau, or is above the bound."""
+    """Return a known peak (2,: value and uncertainty); None if it is not clearly above its plateau, or is above the bound."""
     peak, stated = known.tolist()
     more = stated + uncertainty + UNCERTAIN * max(abs(level), LEAST_MULTIPLIER)
     return _Way(min(peak, most), stated) if level + more < peak <= most + stated else None
 
 
 def _of_curve(curve: np.ndarray, level: float, uncertainty: float, most: float) -> _Way | None:
-    """Return the greatest value of a curve on the way to its plateau; None where it is not clearly above, or is above the bound."""
+    """Return the greatest value of a curve before its plateau; None if it is not clearly above the plateau, or is above the bound."""
     more = uncertainty + LEAST_MORE * max(abs(level), LEAST_MULTIPLIER)
     greatest = peak_before(curve, level, more)
     return _Way(greatest) if level + more < greatest <= most else None
 
 
 def _words(results: Results, told: dict[str, _Way]) -> str:
-    """Return what the greatest multipliers mean."""
+    """Return the sentences on the meaning of the greatest multipliers."""
 
     def text(way: _Way) -> str:
         angles = tilt_angles(results.scene.tilt, way.greatest, way.uncertainty)

@@ -1,4 +1,4 @@
-"""The requested accuracy: whether each method reached it, its attempts, and the settings that it chose, in numbers and words."""
+"""The requested accuracy: the result of each method, its attempts, and the chosen settings, in numbers and words."""
 
 import dataclasses
 import math
@@ -24,7 +24,7 @@ SHARP_TOO = (
 
 
 def attempts_by_method(results: Results) -> dict[str, tuple[Attempt, ...]]:
-    """Return all attempts by method, the accepted one last; empty without a requested accuracy, without YADE's where it has no run."""
+    """Return all attempts by method, the accepted one last; empty without a requested accuracy, and without YADE's if it has no run."""
     analysis, run = results.analysis, results.run
     record = analysis.accuracy
     if record is None:
@@ -34,7 +34,7 @@ def attempts_by_method(results: Results) -> dict[str, tuple[Attempt, ...]]:
 
 
 def accuracy_summary(results: Results) -> dict[str, Any] | None:
-    """Return the requested accuracy and, by method, whether it is kept, the estimated error, the settings, seconds and every attempt."""
+    """Return the requested accuracy and, by method, whether it is reached, the estimated error, settings, seconds and every attempt."""
     record = results.analysis.accuracy
     if record is None:
         return None
@@ -55,7 +55,7 @@ def accuracy_summary(results: Results) -> dict[str, Any] | None:
 def check_accuracy(results: Results) -> Iterator[Check]:
     """Yield the check that each method's estimate of its own error is within the requested accuracy.
 
-    Nothing without a requested accuracy, or where the structure cannot stand.
+    There is no such check without a requested accuracy, or if the structure cannot stand.
     """
     analysis = results.analysis
     if analysis.bounds[analysis.main].status is Status.INFEASIBLE:
@@ -110,7 +110,7 @@ def attempt_words(attempt: Attempt) -> str:
 
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:
-    """Return the line on why YADE runs again, and how."""
-    assert slower.accuracy is not None  # for it has settings
+    """Return the line that gives the reason and the speed of YADE's next run."""
+    assert slower.accuracy is not None  # because it has settings
     speed = TRAVEL_PERIODS / slower.accuracy.settings["travel_periods"]
     return f"{attempt_words(attempt)}; runs again at {speed:.3g} times the derived speed"

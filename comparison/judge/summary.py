@@ -34,7 +34,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
 
 
 def _summary(results: Results) -> dict[str, Any]:
-    """Return scene, counts, effects and limit analysis, with what YADE's run adds to its measures, accuracy and greatest load."""
+    """Return scene, counts, effects and limit analysis; measures, accuracy and greatest load include YADE's run, if there is one."""
     analysis, scene = results.analysis, results.analysis.scene
     assembly, whole = analysis.assembly, analysis.whole
     return {
@@ -60,12 +60,12 @@ def _summary(results: Results) -> dict[str, Any]:
 
 
 def limit_analysis_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Return what limit analysis found, as a part of its summary: the tables that `solve` prints."""
+    """Return the values of limit analysis, a part of its summary: the tables that `solve` prints."""
     return without_undefined(answer_values(analysis))
 
 
 def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the numbers that measure each method's mechanism, by method."""
+    """Yield the measures of each method's mechanism, by method."""
     analysis, run = results.analysis, results.run
     assembly, main = analysis.assembly, analysis.bounds[analysis.main]
     mechanisms = {"associated": (main.twists, main.forces)}
@@ -84,13 +84,13 @@ def yade_summary(run: Run) -> dict[str, Any]:
 
 
 def without_run(status: str, message: str) -> dict[str, Any]:
-    """Return YADE's result where there is no run: status, message, and null for every value."""
+    """Return YADE's result without a run: status, message, and null for every value."""
     names = (field.path.removeprefix("result/") for field in RUN_FIELDS if field.path.startswith("result/"))
     return {**dict.fromkeys(names), "status": status, "message": message}
 
 
 def _of_live_load(scene: Scene, yade: dict[str, Any]) -> dict[str, Any]:
-    """Return what YADE's reaction is under a live load, the multiplier, and the angle of a tilt; empty for a settlement."""
+    """Return YADE's multiplier under a live load, and the angle of a tilt; empty for a settlement."""
     value, uncertainty = yade.get("reaction"), yade.get("uncertainty")
     if scene.live is None:
         return {}
@@ -98,7 +98,7 @@ def _of_live_load(scene: Scene, yade: dict[str, Any]) -> dict[str, Any]:
 
 
 def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, Any] | None) -> Conclusion:
-    """Return the conclusion from limit analysis, every check and the summary of YADE, which is None where YADE was not requested."""
+    """Return the conclusion from limit analysis, every check and the summary of YADE (None if YADE was not requested)."""
     scene, main = analysis.scene, analysis.bounds[analysis.main]
     falling = main.falling if main.status is Status.INFEASIBLE else None
     is_loaded = len(scene.loads) > 0 or scene.ties is not None
@@ -112,7 +112,7 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
 
 
 def _where_nothing_is_borne(analysis: LimitAnalysis) -> str:
-    """Return what to do where the multiplier is 0 to within the floor of its tolerance; "" elsewhere."""
+    """Return the next step if the multiplier is 0 to within the floor of its tolerance; "" otherwise."""
     bound, sharp = analysis.bounds[analysis.main], analysis.sharp.bounds[analysis.main]
     if analysis.scene.live is None or bound.status is not Status.SOLVED or abs(bound.value) > LEAST_REACTION:
         return ""
@@ -123,7 +123,7 @@ def _where_nothing_is_borne(analysis: LimitAnalysis) -> str:
 
 
 def _missing_joints(assembly: Assembly, falling: tuple[str, ...]) -> str:
-    """Return a sentence on the blocks that no joint connects with the ground or a support, not even through others; "" without any."""
+    """Return a sentence on the blocks that no chain of joints connects with the ground or a support; "" without such blocks."""
     loose = np.flatnonzero(assembly.blocks.free & ~connected_to_held(assembly))
     if not len(loose):
         return ""
@@ -141,15 +141,15 @@ def comparison_summary(
     Parameters
     ----------
     results : Results
-        Limit analysis and, where there is one, YADE's run.
+        Limit analysis and YADE's run, if there is one.
     yade : dict or None
-        Summary of YADE's run, which says why where there is no run; None where YADE was not requested.
+        Summary of YADE's run, or the reason why there is no run; None if YADE was not requested.
     checks : list of Check
-        Every check that was made; verdict, reason, next step and remarks follow from them.
+        All checks; verdict, reason, next step and remarks follow from them.
     notes : list of str
         Sentences for the reader of the report.
     first : dict or None
-        What limit analysis said before YADE ran, see `first_prediction`; None where no effect was restored since.
+        Answer of limit analysis before YADE ran, see `first_prediction`; None if no effect was restored since.
     """
     analysis, run = results.analysis, results.run
     concluded = conclusion_of(analysis, checks, yade)
@@ -170,7 +170,7 @@ def comparison_summary(
 
 
 def without_undefined(value: Any) -> Any:
-    """Return the same structure with None for every number that is not finite."""
+    """Return a copy of nested dicts and lists with None for every number that is not finite."""
     if isinstance(value, dict):
         return {key: without_undefined(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

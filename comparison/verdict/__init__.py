@@ -1,4 +1,4 @@
-"""The words of a verdict: checks, marks, the conclusion with its next step, its row among the results; and tables in the terminal."""
+"""The presentation of a verdict: checks, marks, the conclusion with its next step, its row among the results, and terminal tables."""
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within, without_contradiction
 from comparison.verdict.check_table import Checks

@@ -64,10 +64,10 @@ class Check:
     reason : str
         Reason in sentences; for AGREE a remark, or "".
     next_step : str
-        What a user can do about it, in sentences; "" for AGREE, and where the verdict's own next step is the one to take.
+        Next step for a user, in sentences; "" for AGREE, and if the default next step of the verdict applies.
     range : tuple of float or None, or None
-        Ends of the range in which YADE's value must lie, in `unit`, None for no end; None for a check that is no range check. The
-        difference is then the distance beyond the range, 0 inside it.
+        Ends of the range in which YADE's value must lie, in `unit`, None for an open end; None for a check without a range. With a
+        range, the difference is the distance beyond it, 0 inside.
     """
 
     name: str
@@ -85,8 +85,8 @@ class Check:
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
     """Return the most severe verdict of all checks and the reasons for it, "" for agree; without checks the verdict is None.
 
-    An expected value that is not met weighs as much as a disagreement: the reasons then are those of both. What several checks say in
-    the same words is said once.
+    An expected value that is not met is as severe as a disagreement, so the reasons of both are given. A reason that several checks share
+    appears once.
     """
     for alike in SEVERE:
         found = [check for check in checks if check.verdict in alike]
@@ -97,7 +97,7 @@ def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
 
 
 def within(name: str, expected: float, observed: float, tolerance: float, unit: str, reason: str, next_step: str = "") -> Check:
-    """Compare two numbers; an undefined one makes the check inconclusive, never agree.
+    """Compare two numbers; an undefined number makes the check inconclusive, never agree.
 
     Parameters
     ----------
@@ -106,13 +106,13 @@ def within(name: str, expected: float, observed: float, tolerance: float, unit: 
     expected, observed : float
         Values of limit analysis and of YADE, in `unit`.
     tolerance : float
-        Largest size of their difference that still agrees, in `unit`.
+        Largest size of the difference for agreement, in `unit`.
     unit : str
         Unit of the three numbers.
     reason : str
-        Sentence for the check where the numbers differ by more than the tolerance.
+        Reason for the check if the numbers differ by more than the tolerance.
     next_step : str
-        What a user can do then.
+        Next step for a user in this case.
     """
     difference = observed - expected
     if not (math.isfinite(difference) and math.isfinite(tolerance)):
@@ -136,13 +136,13 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
     observed : float
         Value of YADE, in `unit`.
     tolerance : float
-        Largest distance beyond a bound that still agrees, in `unit`.
+        Largest distance beyond a bound for agreement, in `unit`.
     unit : str
         Unit of all numbers.
     reason : str
-        Sentence for the check where the number lies outside.
+        Reason for the check if the number lies outside.
     next_step : str
-        What a user can do then.
+        Next step for a user in this case.
     """
     low, high = bounds
     if any(math.isnan(bound) for bound in (low, high, tolerance)) or not math.isfinite(observed):
@@ -156,7 +156,7 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
 
 
 def without_contradiction(check: Check) -> Check:
-    """Return the check of a state that may be in doubt but contradicts nobody: inconclusive unless it agrees."""
+    """Return a check that cannot contradict: it is inconclusive unless it agrees."""
     return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
 
 

@@ -1,4 +1,4 @@
-"""Checks that show themselves as a table."""
+"""A tuple of checks that is displayed as a table."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ DIGITS = 5
 
 
 class Checks(tuple[Check, ...], Tabled):
-    """Checks that show themselves as a table; that of a range shows the range."""
+    """Checks that are displayed as a table; a range check has its range there."""
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         return "checks", HEADINGS, [_cells(check) for check in self]

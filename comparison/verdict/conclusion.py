@@ -1,4 +1,4 @@
-"""The conclusion of a comparison: one verdict from all checks, its reason, what to do next, and remarks."""
+"""The conclusion of a comparison: one verdict from all checks, its reason, the next step, and remarks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,23 +31,23 @@ BEARS_NOTHING = (
     "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
 )
-CARRIED_OUT = ("plateau", "no plateau", "collapsed")  # statuses of a run of YADE that came to its end
-UNCONFIRMED = ("", None, Verdict.EXPECTED_MET)  # of limit analysis alone: its mark says what comes next; "" in the cell of a table
+CARRIED_OUT = ("plateau", "no plateau", "collapsed")  # statuses of a run of YADE that reached its end
+UNCONFIRMED = ("", None, Verdict.EXPECTED_MET)  # verdicts on limit analysis alone, whose mark shows the next step; "" in a table cell
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.UNEXPECTED: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
 @dataclass(frozen=True)
 class Conclusion:
-    """What a comparison comes to.
+    """The conclusion of a comparison.
 
     Attributes
     ----------
     verdict : Verdict or None
-        Verdict on the whole comparison; None where nothing was compared.
+        Verdict on the whole comparison; None if nothing was compared.
     reason : str
-        Why, in sentences; "" where both methods agree.
+        Reason in sentences; "" if both methods agree.
     next_step : str
-        What a user can do next; "" only where both methods agree or nothing was compared.
+        Next step for a user; "" only if both methods agree or nothing was compared.
     remarks : tuple of str
         Notes of the passed checks, such as stick-slip.
     """
@@ -73,25 +73,25 @@ def conclusion(
     Parameters
     ----------
     checks : list of Check
-        Every check that was made.
+        All checks.
     yade : mapping or None
-        Summary of YADE's run, with its status; None where YADE was not requested: one method alone agrees with nobody.
+        Summary of YADE's run, with its status; None if YADE was not requested, so that there is no agreement of two methods.
     falling : sequence of str or None
-        Names of the blocks that fall, where limit analysis proves that the structure cannot stand; None elsewhere.
+        Names of the blocks that fall if limit analysis proves that the structure cannot stand; otherwise None.
     is_finest : bool
-        Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same ones.
+        Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same settings.
     is_loaded : bool
-        Whether dead loads or ties act on the structure, besides its weight.
+        Whether dead loads or ties act on the structure in addition to its weight.
     rounded : float
-        Inset of the structure that falls, m, where it stands with sharp edges; else 0.
+        Inset, m, of a structure that falls but stands with sharp edges; otherwise 0.
     cause : str
-        Sentence on why blocks fall, beside their names; "" where none is known.
+        Sentence on the cause of the fall; "" if unknown.
     step : str
-        Next step of an inconclusive verdict, in place of the checks' own; "" where theirs help.
+        Next step of an inconclusive verdict instead of the checks' own; "" to use theirs.
     """
     verdict, reason = overall(checks)
     if verdict is Verdict.UNEXPECTED and yade is not None and yade.get("status") in CARRIED_OUT:
-        verdict = Verdict.DISAGREE  # YADE's agreement does not make up for a value that the scene expects and limit analysis misses
+        verdict = Verdict.DISAGREE  # limit analysis misses an expected value, and YADE's agreement does not outweigh this
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict not in SEVERE[0]:
         what = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
@@ -110,7 +110,7 @@ def conclusion(
 
 
 def _after_second_attempt(step: str) -> str:
-    """Return a next step with TRIED in place of the sentences that advise a second attempt, and with the time limit of that attempt."""
+    """Return a next step with TRIED instead of the advice of a second attempt, and with the option for the time limit of that attempt."""
     said = sentences(step)
     advised = [one for one, following in zip(said, [*said[1:], ""], strict=True) if "--try-harder" in one or following == HARDER]
     step = " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
@@ -118,7 +118,7 @@ def _after_second_attempt(step: str) -> str:
 
 
 def named_blocks(names: Sequence[str]) -> str:
-    """Return the first names in quotes, and how many more blocks there are."""
+    """Return the first names in quotes, and the number of further blocks."""
     quoted = ", ".join(f'"{name}"' for name in names[:MOST_NAMES])
     return quoted + (f" and {plural(len(names) - MOST_NAMES, 'more block')}" if len(names) > MOST_NAMES else "")
 

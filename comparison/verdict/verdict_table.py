@@ -1,7 +1,7 @@
-"""The row of the table of `crosscheck run`: bounds, prediction and YADE's reaction over the weight, and the time of each method.
+"""A row of the table of `crosscheck run`: bounds, prediction and YADE's reaction over the weight, and the time of each method.
 
-A turning support has its moment over the weight there, in m. A live load has its multiplier. Its associated answer is an upper bound,
-and it has no other.
+The row of a rotating support has its moment over the weight, in m. The row of a live load has its multiplier, with the associated answer as
+upper bound and no lower bound.
 """
 
 from collections.abc import Collection
@@ -12,14 +12,14 @@ from la_core.text_table import number_text, over_weight
 
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
 BY_BOTH = "limit analysis' bounds and prediction, YADE's plateau"
-TITLES = {  # of the table, by the unit of the values
+TITLES = {  # titles of the table, by the unit of the values
     "N": f"reaction over the weight W of the free blocks and their loads: {BY_BOTH}",
     "N m": f"moment on the turning support over the weight W of the free blocks and their loads, in m: {BY_BOTH}",
     "": "multiplier of the live load: limit analysis' upper bound and prediction, YADE's plateau",
 }
 BESIDE = {"N m": "; of a turning support its moment over W, in m", "": "; of a live load its multiplier, bounded from above"}
-ANSWERS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}  # answers, by name
-VERDICTS = {  # sign and words of a comparison's verdict
+ANSWERS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}  # words for each answer
+VERDICTS = {  # sign and words for the verdict of a comparison
     "agree": ("✓", "agree"),
     "disagree": ("✗", "disagree"),
     "inconclusive": ("?", "inconclusive"),
@@ -36,7 +36,7 @@ def mark_of(verdict: str | None) -> str:
 
 
 def check_words(verdict: str | None) -> tuple[str, str]:
-    """Return the sign and the words of a check's verdict; an expected value is met or not, whoever runs beside."""
+    """Return the sign and the words of a check's verdict; for an expected value "met" or "not met", without or with a run of YADE."""
     return {"expected": ("✓", "met"), "unexpected": ("✗", "not met")}.get(str(verdict)) or VERDICTS.get(verdict, VERDICTS[None])
 
 

@@ -1,1 +1,1 @@
-"""The checks: each compares one quantity of both methods with its tolerance and says agree, disagree or inconclusive, with a reason."""
+"""The checks. Each compares one quantity of both methods within a tolerance; its verdict is agree, disagree or inconclusive."""

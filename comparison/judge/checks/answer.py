@@ -1,4 +1,4 @@
-"""The checks of limit analysis alone: the values that a scene expects, and whether there is an answer."""
+"""The checks of limit analysis alone: the expected values of a scene, and the existence of an answer."""
 
 import math
 from collections.abc import Iterator
@@ -17,15 +17,15 @@ SLIP = 0.01  # share by which a value in a wrong unit, rounded by hand, may diff
 OF_ONE_METHOD = {
     Verdict.AGREE: Verdict.EXPECTED_MET,
     Verdict.DISAGREE: Verdict.UNEXPECTED,
-}  # verdicts where no second method can agree or disagree
+}  # verdicts without a second method
 
 
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
     """Yield a check of limit analysis for sharp edges against each value of the scene's table [expected].
 
-    Reaction and multiplier are compared with the answer for the scene's own friction, at its own inset where joints slide;
-    the greatest reaction and the values with "associated" in their names are compared with the associated answer. An answer
-    that was not requested is not compared.
+    The expected reaction or multiplier is compared with the answer for the scene's own friction, at its own inset if joints slide. The
+    greatest reaction and the values with "associated" in their names are compared with the associated answer. An answer that was not
+    requested is not compared.
     """
     scene = analysis.scene
     expected = scene.expected
@@ -33,7 +33,7 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
         return
     main, greatest = analysis.sharp.bounds[analysis.main], analysis.sharp.bounds.get(Drive.PUSHING)
     is_bound = scene.effects.friction in ("associated", "none-slides")
-    answer = analysis.sharp.coulomb or analysis.coulomb or (main if is_bound else None)  # None where only the bounds were requested
+    answer = analysis.sharp.coulomb or analysis.coulomb or (main if is_bound else None)  # None if only the bounds were requested
     value, associated = expected.reaction_over_weight, expected.associated_reaction_over_weight
     if scene.live is not None:
         value, associated = expected.multiplier, expected.associated_multiplier
@@ -47,13 +47,13 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
             check = _of_value(name, analysis, solution, number, tolerance)
             verdict = OF_ONE_METHOD.get(check.verdict, check.verdict)
-            yield replace(check, verdict=verdict, yade=None)  # the number compared is the scene's own, and the report names it as such
+            yield replace(check, verdict=verdict, yade=None)  # the number is an expected value of the scene, not a value of YADE
 
 
 def _of_value(name: str, analysis: LimitAnalysis, solution: Solution | CoulombSolution, number: float, tolerance: float) -> Check:
-    """Return the check of one answer against the number that the scene expects; number and tolerance over the weight, or multipliers."""
+    """Return the check of one answer against an expected number; number and tolerance are shares of the weight, or multipliers."""
     scene = analysis.scene
-    over_weight = "m (R/W)" if scene.is_rotation else "of W"  # a turning support's reaction is a moment
+    over_weight = "m (R/W)" if scene.is_rotation else "of W"  # the reaction of a rotating support is a moment
     divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, over_weight)
     solved = solution.status is Status.SOLVED
     computed = solution.value / divisor if solved else math.nan
@@ -64,13 +64,13 @@ def _of_value(name: str, analysis: LimitAnalysis, solution: Solution | CoulombSo
     if solved:
         return check
     unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
-    if _fell(solution) and solution is not analysis.coulomb:  # of which `check_answer` says it
+    if _fell(solution) and solution is not analysis.coulomb:  # `check_answer` already reports this for analysis.coulomb
         unknown += f" {FELL[0].upper()}{FELL[1:]}."
     return replace(check, reason=unknown, next_step=_step_without_value(analysis, solution))
 
 
 def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, number: float, tolerance: float) -> str:
-    """Return what an expected value that is not met seems to be instead; where nothing is known, to compare scene and source."""
+    """Return the next step for an expected value that is not met: a likely slip of the pen, or a comparison of scene and source."""
     scene, bounds, main = analysis.scene, analysis.sharp.bounds, analysis.sharp.bounds[analysis.main]
     divisor, key = (1.0, "multiplier") if scene.live is not None else (scene.weight, "reaction_over_weight")
     computed = solution.value / divisor
@@ -101,7 +101,7 @@ def _likely_slip(analysis: LimitAnalysis, solution: Solution | CoulombSolution, 
 
 
 def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
-    """Yield a check that says why limit analysis has no answer, or an uncertain one; nothing where it is solved, or nothing can stand."""
+    """Yield a check with the reason for a missing or uncertain answer of limit analysis; none if it is solved, or nothing can stand."""
     associated, coulomb = analysis.bounds[analysis.main], analysis.coulomb
     if associated.status not in (Status.SOLVED, Status.INFEASIBLE) and not analysis.is_without_bound:
         reason = f"Limit analysis ended as {associated.status}, so it has no answer."
@@ -116,7 +116,7 @@ def _fell(solution: Solution | CoulombSolution) -> bool:
 
 
 def _step_without_value(analysis: LimitAnalysis, solution: Solution | CoulombSolution) -> str:
-    """Return what to do about an answer that is not solved: there is no value to compare with the source, so the cause decides."""
+    """Return the next step for an answer that is not solved: without a value to compare with the source, it depends on the cause."""
     if solution.status is Status.INFEASIBLE:
         return next_steps.CHECK_SOURCE
     if not isinstance(solution, CoulombSolution) or solution.status is Status.UNBOUNDED:
@@ -125,7 +125,7 @@ def _step_without_value(analysis: LimitAnalysis, solution: Solution | CoulombSol
 
 
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
-    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
+    """Return the fault of a prediction that is not solved, as the end of a sentence."""
     if _fell(coulomb):
         return f": {FELL}"
     if coulomb.status is not Status.INACCURATE:

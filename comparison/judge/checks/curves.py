@@ -1,8 +1,8 @@
-"""Compare the whole curves: the reaction that YADE records while the support moves, and that of the prediction's path.
+"""Compare the whole curves: the reaction that YADE records while the support moves, and the reaction along the path of the prediction.
 
-YADE's joints may be stiffer: the path is put to the settlement at which YADE's joints strain as much, or have released as much.
-The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first. Where YADE's plateau differs
-from the prediction, its curve may have been there before.
+YADE's joints may be stiffer. So the settlements of the path are scaled to those at which YADE's joints strain as much, or have released as
+much. The verdict depends on the plateaus alone. Curves differ if inertia matters or another joint yields first. If YADE's plateau differs
+from the prediction, an earlier part of its curve may agree with the prediction.
 """
 
 import dataclasses
@@ -16,12 +16,12 @@ from comparison.numbers import settlement_text
 from comparison.yade import Results
 from la_core.exchange import LATEST_START
 
-LEAST_STRETCH = 0.2  # of the settlement at which the plateau begins: two rows at rest are no level
+LEAST_STRETCH = 0.2  # of the settlement at the start of the plateau: least length of a level, so that two rows at rest do not count
 
 
 @dataclass(frozen=True)
 class CurveDifference:
-    """How far YADE's recorded reaction is from the curve of the prediction.
+    """The difference between YADE's recorded reaction and the curve of the prediction.
 
     Attributes
     ----------
@@ -42,9 +42,9 @@ class CurveDifference:
 
 
 def compare_curves(results: Results) -> CurveDifference | None:
-    """Return the difference of both curves from rest on, as far as both go; None where one of them does not exist.
+    """Return the difference of both curves over the settlements that they have in common; None if one of them does not exist.
 
-    There is no difference either where the stiffness of YADE's joints is undefined: the path cannot be put to it.
+    It is also None if the stiffness of YADE's joints is undefined, because the path cannot be scaled to it.
     """
     coulomb, run = results.analysis.coulomb, results.run
     if coulomb is None or run is None or len(coulomb.path_settlement) < 2 or math.isnan(results.stiffening):
@@ -62,18 +62,18 @@ def compare_curves(results: Results) -> CurveDifference | None:
 
 
 def curves_summary(results: Results) -> dict[str, Any] | None:
-    """Return the difference of the curves by name, or None where there is none."""
+    """Return the difference of the curves by name, or None without a difference."""
     found = compare_curves(results)
     return None if found is None else dataclasses.asdict(found)
 
 
 def earlier_agreement(results: Results, value: float, tolerance: float) -> str:
-    """Return where YADE's reaction was within a tolerance of a predicted value before its plateau, as a sentence; "" where it was not.
+    """Return a sentence on the settlements before the plateau at which YADE's reaction was near a predicted value; "" without any.
 
     The longest stretch of the settlement counts. It must be long enough for a plateau, whose line begins at LATEST_START of its settlement
-    at the latest. A steep curve has no such stretch; a slow one may have it although it only passes.
+    at the latest. A steep curve has no such stretch; a curve that passes the value slowly may have one.
 
-    value, tolerance: N, or N m; of a multiplier without unit.
+    value, tolerance: N, or N m; without unit for a multiplier.
     """
     scene, run = results.scene, results.recorded
     settlement, reaction = run.settling("settlement"), run.settling("reaction")

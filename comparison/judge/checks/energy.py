@@ -1,8 +1,8 @@
 """Energy balance of a YADE run from its stored states: the work put in against kinetic, elastic, frictional and viscous energy.
 
-Between two stored states a contact force F, the mean of both states', acts on points that move by du relative to each other. It takes
--F . du out of the motion; the work of the weights and of the support is computed in the same way. YADE's own energy counters are not
-used. The part of the work that is not accounted for is the drift.
+Let F be the mean contact force of two successive stored states, and du the relative displacement of the contact points. Then the contact
+takes the energy -F . du out of the motion. The work of the weights and of the support is computed in the same way. YADE's own energy
+counters are not used. The drift is the unaccounted part of the work.
 """
 
 import dataclasses
@@ -25,9 +25,9 @@ LOOK_FOR_FALL = "See which blocks fall (`crosscheck animate`), and hold them or 
 SHORTER_STEP = "Run YADE with a shorter time step: half of the [yade] time_step_share that the report lists."
 MORE_STATES = "Store more states: set [yade] poses to the record_rows that the report lists."
 MORE_ROWS = "Record and store more states: set [yade] record_rows and poses to ten times the record_rows that the report lists."
-LEAST_TURNOVER = 0.01  # of the weight times the settlement: where less is turned over, the blocks stand, and the rest is noise
-DRIFT = 0.05  # of the turnover: forces between two stored states are taken as the mean of both
-COVERAGE = 1.96  # standard deviations of a sum of random errors that cover it 19 times in 20
+LEAST_TURNOVER = 0.01  # of the weight times the settlement: with a smaller turnover the blocks stand, and the balance is noise
+DRIFT = 0.05  # of the turnover: forces between two stored states are approximated by their mean
+COVERAGE = 1.96  # standard deviations of a sum of random errors that cover the sum 19 times in 20
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class EnergyAudit:
     Attributes
     ----------
     weights, support, load : float
-        Work of the weights, of the support and of the live load on the free blocks, J; 0 for the one of the last two that does not act.
+        Work of the weights, of the support and of the live load on the free blocks, J; support or load is 0, as only one of them acts.
     kinetic, elastic : float
         Change of the stored kinetic and elastic energy, J.
     friction, viscous : float
-        Energy taken along the joints, and by damping: across the joints and from the swing of the blocks, J.
+        Energy taken by friction along the joints; energy taken by damping across the joints and of the blocks' swing, J.
     turnover : float
-        Sum of the absolute work of weight and live load on each block and of the support, J.
+        Sum over the blocks of the absolute work of weight and live load, plus the absolute work of the support, J.
     """
 
     weights: float
@@ -57,20 +57,20 @@ class EnergyAudit:
 
     @property
     def unaccounted(self) -> float:
-        """Work that is not accounted for, J."""
+        """Unaccounted work, J."""
         return self.weights + self.support + self.load - self.kinetic - self.elastic - self.friction - self.viscous
 
     @property
     def drift(self) -> float:
-        """Work that is not accounted for, over the turnover; NaN where nothing moved."""
+        """Unaccounted work over the turnover; NaN if nothing moved."""
         return self.unaccounted / self.turnover if self.turnover > 0.0 else float("nan")
 
 
 def audit(assembly: Assembly, run: Run) -> EnergyAudit:
-    """Return the energy balance of a run; all NaN where nothing was recorded at rest.
+    """Return the energy balance of a run; all NaN if no state at rest was recorded.
 
-    assembly: the one that the run was made from. The balance starts at rest, or at the plateau's first state where only the plateau's
-    states were kept.
+    assembly: the assembly of the run. The balance starts at rest, or at the first state of the plateau if only the states of the plateau
+    were stored.
     """
     kept = _kept(assembly)
     if len(run.poses.settlement[kept]) < 2 or not run.record or GRAVITY not in run.record.stage:
@@ -109,7 +109,7 @@ def _balance(assembly: Assembly, run: Run, kept: slice) -> EnergyAudit:
 
 
 def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
-    """Yield the check that the run's energies add up; nothing where no motion was recorded."""
+    """Yield the check that the run's energies add up; no check if no motion was recorded."""
     found = audit(assembly, run)
     if finite_or_none(found.drift) is not None:
         least = LEAST_TURNOVER * assembly.weight * assembly.support_speed * abs(float(run.poses.settlement[-1] - run.poses.settlement[0]))
@@ -121,16 +121,18 @@ def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
             scatter = _scatter(assembly, run) / max(found.turnover, least)
             cause, step = (FALLS, LOOK_FOR_FALL) if falls else _cause(drift, scatter, len(run.poses.settlement) < len(run.record))
             if step == MORE_STATES and run.settings.get("poses", 0.0) >= run.settings.get("record_rows", math.inf):
-                step = MORE_ROWS  # as many states as rows were asked for already
+                step = MORE_ROWS  # the run already stored as many states as rows
             verdict, message = Verdict.INCONCLUSIVE, share + cause
         yield Check("energy of the YADE run", verdict, 0.0, drift, drift, DRIFT, "of the turnover", message, step)
 
 
 def _cause(drift: float, scatter: float, stores_less: bool) -> tuple[str, str]:
-    """Return why the energies do not add up and what to do. A time step that is too long loses or makes energy all the way; a block that
-    sticks and slips is stored by chance here or there, now with too much force and now with too little.
+    """Return the reason why the energies do not add up, and the next step.
 
-    drift, scatter: over the turnover. stores_less: whether YADE stored fewer states than it recorded.
+    With too long a time step energy is lost or gained throughout the run. With blocks that stick and slip, the stored states have too much
+    force or too little by chance, so the errors are random.
+
+    drift, scatter: shares of the turnover. stores_less: whether YADE stored fewer states than it recorded rows.
     """
     uncertainty = COVERAGE * scatter
     is_sparse = stores_less and abs(drift) <= uncertainty
@@ -138,10 +140,10 @@ def _cause(drift: float, scatter: float, stores_less: bool) -> tuple[str, str]:
 
 
 def _scatter(assembly: Assembly, run: Run) -> float:
-    """Return the standard deviation of the unaccounted work, J, from how much that between two stored states differs from pair to pair.
+    """Return the standard deviation of the unaccounted work, J, from its scatter over the pairs of successive stored states.
 
-    The error of a state counts half in each of its two pairs, so that neighbours share it: the variance of the sum is twice that of
-    independent pairs.
+    The error of a state counts half in each of its two pairs. So errors of neighbouring pairs are correlated, and the variance of the sum
+    is twice that of independent pairs.
     """
     first, states = _kept(assembly).start, len(run.poses.settlement)
     between = [_balance(assembly, run, slice(k, k + 2)).unaccounted for k in range(first, states - 1)]
@@ -149,7 +151,7 @@ def _scatter(assembly: Assembly, run: Run) -> float:
 
 
 def energy_summary(assembly: Assembly, run: Run) -> dict[str, float]:
-    """Return every energy by name, J, and the drift, a share of the turnover."""
+    """Return every energy by name, J, and the drift as a share of the turnover."""
     energies = audit(assembly, run)
     return dataclasses.asdict(energies) | {"drift": energies.drift}
 
@@ -172,7 +174,7 @@ def _support_work(run: Run, stored: np.ndarray) -> float:
 
 
 def _dissipated(assembly: Assembly, forces: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """Return the energy (2,) that contacts took out of the motion, J: across the joints, and along them."""
+    """Return the energy (2,) that the contacts took out of the motion across and along the joints, J."""
     moved = np.diff(_apart(assembly, poses), axis=0)
     normal, tangential = assembly.split(0.5 * (forces[1:] + forces[:-1]))
     closing, sliding = assembly.split(moved)
@@ -182,8 +184,8 @@ def _dissipated(assembly: Assembly, forces: np.ndarray, poses: np.ndarray) -> np
 def _apart(assembly: Assembly, poses: np.ndarray) -> np.ndarray:
     """Return the displacement (P, C, 3) of block b relative to block a at each contact point, m, for poses (P, B, 6).
 
-    To the second order of the rotations: the first order alone, with levers that do not turn, misses work of the size of weight times
-    height times the square of the rotation. That was 12 % of what a block 200 times as high as wide turns over.
+    The displacement includes the second order of the rotations. The first order alone, with levers that do not turn, misses work of the
+    size of weight times height times the square of the rotation. For a block 200 times as high as wide this was 12 % of the turnover.
     """
     displacement = np.zeros((len(poses), *assembly.points.position.shape))
     for block, sign in zip(assembly.contact_blocks, (-1.0, 1.0), strict=True):
@@ -194,7 +196,7 @@ def _apart(assembly: Assembly, poses: np.ndarray) -> np.ndarray:
 
 
 def _stored(assembly: Assembly, ends: np.ndarray, settings: Mapping[str, float]) -> np.ndarray:
-    """Return the change (2,) of the joints' elastic energy between two states of force (2, C, 3), J: across and along them."""
+    """Return the change (2,) of the joints' elastic energy between two states of force (2, C, 3), J: across and along the joints."""
     normal, tangential = assembly.split(ends)
     squares = np.array([np.sum(normal**2, axis=1), np.sum(tangential**2, axis=(1, 2))])
     stiffness = np.array([settings["normal_stiffness"], settings["shear_stiffness"]])

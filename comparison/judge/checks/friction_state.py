@@ -1,4 +1,4 @@
-"""The friction state of YADE's plateau: does every joint slide that should, and do joints stick and slip?"""
+"""The friction state of YADE's plateau: a check that all joints slide that should, and a report of stick-slip."""
 
 import math
 
@@ -12,14 +12,14 @@ from comparison.yade import Results
 from la_core.limit import Status, consistent_reaction
 from la_core.measures import residuals
 
-STEADY = 5e-3  # of the reaction: scatter about the plateau's line above this is stick-slip
-CONSISTENT = 1e-2  # of the reaction: slow steady runs are within 1e-4, runs that stick and slip miss by per cents
+STEADY = 5e-3  # of the reaction: a larger scatter about the plateau's line is stick-slip
+CONSISTENT = 1e-2  # of the reaction: slow steady runs differ by less than 1e-4, runs with stick-slip by several per cent
 
 
 def check_friction_state(results: Results) -> Check:
-    """Compare YADE's reaction with the least one that its own normal forces allow; they agree where every joint slides that should.
+    """Compare YADE's reaction with the least reaction under its own normal forces; they agree if every joint slides that should.
 
-    A multiplier is compared with the greatest one.
+    A multiplier is compared with the greatest multiplier.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     forces = run.plateau_forces()
@@ -42,7 +42,7 @@ def check_friction_state(results: Results) -> Check:
 
 
 def check_steadiness(results: Results) -> Check:
-    """Report stick-slip, which is no fault: the plateau's uncertainty includes it."""
+    """Report stick-slip; it is no fault, because the plateau's uncertainty includes it."""
     scatter = _scatter(results)
     name, unit = "steadiness of the plateau", "of R"
     if not math.isfinite(scatter):
@@ -54,7 +54,7 @@ def check_steadiness(results: Results) -> Check:
 
 
 def _scatter(results: Results) -> float:
-    """Return the scatter about the plateau's line over the reaction, a small one taken as 1 % of the weight: noise is no stick-slip."""
+    """Return the scatter about the plateau's line over the reaction, or over 1 % of the weight if more: noise is no stick-slip."""
     analysis, run = results.analysis, results.recorded
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
     kept = settlement >= run.result.plateau_start

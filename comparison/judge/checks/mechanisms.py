@@ -1,7 +1,7 @@
-"""Compare YADE's mechanism with that of limit analysis, where it is determined.
+"""Compare YADE's mechanism with that of limit analysis, if limit analysis determines it.
 
-Speeds are judged against the unit motion of the support, so that noise is never compared with noise: where no block moves in either
-method, the mechanisms are the same. Where joints slide without dilatancy, the mechanism need not be unique, even if the reaction is.
+Speeds are compared with the unit motion of the support. So noise is never compared with noise: if no block moves in either method, the
+mechanisms are the same. If joints slide without dilatancy, the mechanism need not be unique, even if the reaction is.
 """
 
 from collections.abc import Iterator
@@ -14,8 +14,8 @@ from comparison.verdict import Check, Verdict
 from comparison.yade import Results
 from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, mechanism, residuals
 
-SIMILAR = 0.95  # modal assurance of two mechanisms that are the same to the eye
-ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
+SIMILAR = 0.95  # least modal assurance of two mechanisms that look the same
+ADMISSIBLE = 0.02  # of the fastest block's speed: elastic strain of the joints in YADE's mechanism, which the flow rule does not include
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
 
 NEARLY_AT_REST = (
@@ -41,7 +41,7 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
     determined : bool
         Whether no joint slides, so that limit analysis determines the mechanism.
     is_alone : bool
-        Whether joints slide and the mechanism is that of the associated answer, in which they dilate.
+        Whether joints slide and the mechanism is that of the associated answer, in which sliding joints dilate.
     """
     assembly, twists = results.analysis.assembly, results.recorded.mechanism()
     blocks = assembly.blocks
@@ -69,9 +69,10 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
 
 
 def _mass_in_one_only(results: Results, predicted: np.ndarray, moves: list[np.ndarray]) -> float:
-    """Return the share of the mass that moves in one method only; a block just above the threshold in one, below it in the other, does not.
+    """Return the share of the mass that moves in one method only.
 
-    A block counts where its velocities differ by more than the threshold, too.
+    A block counts only if its two velocities also differ by more than the threshold. So a block just above the threshold in one method
+    and just below it in the other does not count.
     """
     assembly, twists = results.analysis.assembly, results.recorded.mechanism()
     blocks = assembly.blocks
@@ -81,7 +82,7 @@ def _mass_in_one_only(results: Results, predicted: np.ndarray, moves: list[np.nd
 
 
 def _otherwise(results: Results, twists: np.ndarray, determined: bool, is_alone: bool) -> tuple[Verdict, str]:
-    """Return the verdict on mechanisms that differ, and why."""
+    """Return the verdict on mechanisms that differ, and the reason."""
     if is_alone:
         return Verdict.INCONCLUSIVE, " Sliding joints dilate in the associated mechanism and not in YADE."
     if not determined:
@@ -92,7 +93,7 @@ def _otherwise(results: Results, twists: np.ndarray, determined: bool, is_alone:
 
 
 def _is_collapse_mechanism(results: Results, twists: np.ndarray) -> bool:
-    """Return whether twists (B, 6) for a unit motion of the support solve limit analysis, too: they obey the flow rule and do its work."""
+    """Return whether twists (B, 6) for a unit motion of the support also solve limit analysis: by the flow rule and by their work."""
     analysis = results.analysis
     work = float(np.sum(analysis.assembly.dead_load * results.per_drive(twists)))
     value = -work if results.scene.live is not None else work

@@ -1,4 +1,4 @@
-"""What a user can do next about a check that did not agree, in words that several checks share."""
+"""The next steps for a user after a check that did not agree, in sentences that several checks share."""
 
 from dataclasses import replace
 
@@ -62,16 +62,16 @@ LONGER = (
 
 OWN_SETTINGS = "The scene's [yade] table sets {names}: leave {them} out first, so that YADE derives {them}. If that does not help:"
 OF_THE_RUN = (SLOWER_RUN, MORE_TIME, GIVE_THRUST, LONGER)  # steps for a run that did not come to a steady state in balance
-# Settings without which the structure falls, that do not change the motion, or whose effect the message itself tells.
+# Settings that the structure needs to stand, that do not change the motion, or whose effect the message itself gives.
 NEEDED = ("wedging", "time_limit", "threads", "plateau_uncertainty", "stop_uncertainty")
 # Settings that a second attempt adds to the scene, and the least values that are no coarser than derived ones.
 OF_SECOND_ATTEMPT = {"damping_ratio": 1.0, "stiffening": 4.0, "travel_periods": TRAVEL_PERIODS}
 
 
 def own_settings_first(check: Check, scene: Scene) -> Check:
-    """Return an inconclusive check with the advice to leave out the settings of the scene, where they may be why YADE did not settle.
+    """Return an inconclusive check with the advice to leave out the scene's settings, if YADE may not have settled because of them.
 
-    A scene of high effort, such as that of a second attempt, may hold the fine settings of that attempt, which are not named.
+    A scene of high effort, such as that of a second attempt, may have the fine settings of that attempt. These are not named.
     """
     names = [name for name in scene.yade if name not in NEEDED and not (scene.effort == "high" and _is_fine(name, scene))]
     if check.verdict is not Verdict.INCONCLUSIVE or check.next_step not in OF_THE_RUN or not names:
@@ -81,17 +81,17 @@ def own_settings_first(check: Check, scene: Scene) -> Check:
 
 
 def _is_fine(name: str, scene: Scene) -> bool:
-    """Return whether a setting of a scene is as fine as one that a second attempt may have added."""
+    """Return whether a setting of a scene is as fine as a setting of a second attempt."""
     return name in OF_SECOND_ATTEMPT and float(scene.yade[name]) >= OF_SECOND_ATTEMPT[name]
 
 
 def for_fine_paths(step: str, scene: Scene) -> str:
-    """Return a next step that does not advise the finer paths that the scene has already."""
+    """Return a next step without the advice to follow finer paths, if the scene already has them."""
     return step.replace(FINER_PATHS, FINEST_PATHS) if scene.effort == "high" else step
 
 
 def without_value(analysis: LimitAnalysis) -> str:
-    """Return what to do where limit analysis ended without a value."""
+    """Return the next step after limit analysis without a value."""
     if analysis.bounds[analysis.main].status is not Status.UNBOUNDED:
         return PLAIN_SCENE
     if analysis.coulomb is not None and analysis.coulomb.iterations > 0:
@@ -102,24 +102,24 @@ def without_value(analysis: LimitAnalysis) -> str:
 
 
 def after_a_failure(message: str) -> str:
-    """Return what to do where YADE ran and said that it failed."""
+    """Return the next step after a run that YADE itself reported as failed."""
     return COME_TO_REST if message.startswith("not at rest") else REPAIR_YADE
 
 
 def refuses_setting(reason: str) -> bool:
-    """Whether YADE's process failed for this reason because a setting of the scene does not suit this structure."""
+    """Whether this reason is a setting of the scene that does not suit the structure."""
     return "scene/settings: " in reason
 
 
 def for_a_failed_run(reason: str) -> str:
-    """Return what to do where YADE's process failed for this reason."""
+    """Return the next step after YADE's process failed for this reason."""
     if reason.startswith(INTERRUPTED_RUN):
         return GO_ON
     return CHANGE_SETTING if refuses_setting(reason) else REPAIR_YADE
 
 
 def for_a_thrust(scene: Scene) -> str:
-    """Return what to do where blocks slide although a thrust could hold them."""
+    """Return the next step if blocks slide although a thrust could hold them."""
     if scene.live is not None:
         return NO_THRUST
     return OTHER_THRUST if scene.yade.get("wedging") else GIVE_THRUST

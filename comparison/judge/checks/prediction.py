@@ -1,7 +1,8 @@
-"""The prediction of limit analysis that YADE's plateau is compared with, and why it may be no sharp one.
+"""The prediction of limit analysis for YADE's plateau, and the reasons why it may not be sharp.
 
-It is the Coulomb prediction where there is one, and the associated answer elsewhere. Where joints slide, the associated answer is only a
-lower bound. A method in doubt, by evidence of its own, may confirm the other one but not contradict it.
+It is the Coulomb prediction if there is one, otherwise the associated answer. If joints slide, the associated answer is only a bound: a
+lower one of a reaction, an upper one of a multiplier. A method whose own results raise a doubt may confirm the other method but not
+contradict it.
 """
 
 import math
@@ -29,7 +30,7 @@ FELL = "the blocks slide and fall, under gravity or on the way to a plateau, alt
 
 @dataclass(frozen=True)
 class Release:
-    """What limit analysis predicts after turning blocks have released a thrust.
+    """The prediction of limit analysis after turning blocks have released a thrust.
 
     Attributes
     ----------
@@ -38,7 +39,7 @@ class Release:
     stated : float
         Uncertainty that limit analysis states, in the unit of the value.
     is_other : bool
-        Whether this is another value than before, beyond doubt.
+        Whether the value certainly differs from the value before the release.
     """
 
     value: float
@@ -48,7 +49,7 @@ class Release:
 
 @dataclass(frozen=True)
 class Prediction:
-    """The prediction that YADE's plateau is compared with.
+    """The prediction for YADE's plateau.
 
     Attributes
     ----------
@@ -63,13 +64,13 @@ class Prediction:
     stated : float
         Uncertainty that limit analysis states, in the unit of the value.
     release : Release or None
-        The value after turning blocks have released a thrust; None where limit analysis has not followed it.
+        The value after turning blocks have released a thrust; None if limit analysis has not computed the release.
     obstacle : str
-        Why the value is no sharp prediction; "" where it is one.
+        Reason why the value is no sharp prediction; "" for a sharp one.
     doubt : str
-        Why the value may confirm YADE but not contradict it; "" where it may do both.
+        Reason why the value may confirm YADE but not contradict it; "" if it may do both.
     next_step : str
-        What a user can do about the obstacle or the doubt.
+        Next step of a user with this obstacle or doubt.
     """
 
     value: float
@@ -88,7 +89,7 @@ def predicted(results: Results) -> Prediction:
     analysis = results.analysis
     bound, coulomb, assembly = analysis.bounds[analysis.main], analysis.coulomb, analysis.assembly
     unknown, motion = (math.nan, math.nan), results.per_motion(bound.twists)
-    of_bound = float(np.nan_to_num(bound.error))  # a file of an earlier version does not hold it
+    of_bound = float(np.nan_to_num(bound.error))  # a file of an earlier version has no error
     if slides_unforeseen(results):
         obstacle = "Joints slide in YADE, but in no mechanism of limit analysis."
         return Prediction(bound.value, unknown, motion, True, of_bound, obstacle=obstacle, next_step=next_steps.MODEL_SLIDING)
@@ -113,7 +114,7 @@ def _release(coulomb: CoulombSolution, assembly: Assembly) -> Release | None:
 
 
 def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution | None) -> tuple[str, str]:
-    """Why the associated answer is no prediction where joints slide, for the modelled effect `friction`, and what to do."""
+    """Return the reason why the associated answer is no prediction for sliding joints, and the next step. friction: modelled effect."""
     if friction == "none-slides":
         return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY[drive]}", next_steps.MODEL_SLIDING
     dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY[drive]}"
@@ -123,7 +124,7 @@ def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution |
 
 
 def _doubt(coulomb: CoulombSolution, unit: str) -> tuple[str, str]:
-    """Why a prediction may confirm YADE but not contradict it, and what to do; two times "" where it may do both."""
+    """Return the reason why a prediction may confirm but not contradict YADE, and the next step; two times "" if it may do both."""
     if len(coulomb.plateaus):
         several = ", ".join(f"{format_number(value, 4)} {unit}".rstrip() for value in coulomb.plateaus.tolist())
         return f"The structure has several plateaus ({several}), so a single plateau cannot contradict YADE.", next_steps.LEAST_FAVOURABLE
@@ -134,19 +135,19 @@ def _doubt(coulomb: CoulombSolution, unit: str) -> tuple[str, str]:
 
 
 def slides_unforeseen(results: Results) -> bool:
-    """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore left sliding out."""
+    """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore excluded sliding."""
     effects = results.analysis.assembly.effects
     return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
 
 
 def _may_slide_in_yade(results: Results) -> bool:
-    """Return whether the scene excludes Coulomb friction in limit analysis, and nothing shows whether joints slide in YADE."""
+    """Return whether the scene excludes Coulomb friction in limit analysis, and YADE's mechanism is unknown."""
     excludes = results.scene.effects.friction in ("associated", "none-slides")
     return excludes and bool(np.isnan(results.recorded.mechanism()).any())
 
 
 def _slides_in_yade(results: Results) -> bool:
-    """Return whether joints of YADE's mechanism slide faster than they open, without penetrating: limit analysis excludes that."""
+    """Return whether joints of YADE's mechanism slide with less opening than the associated flow rule requires, without penetration."""
     analysis, run = results.analysis, results.recorded
     twists = run.mechanism()
     if np.isnan(twists).any():

@@ -1,4 +1,4 @@
-"""Compare YADE's plateau with the prediction: the reaction decides, then its interval, the friction state and the mechanism."""
+"""Compare YADE's plateau with the prediction: first the reaction, then its interval, the friction state and the mechanism."""
 
 import math
 from collections.abc import Iterator
@@ -31,13 +31,13 @@ from la_core.analysis import wedging
 from la_core.measures import mechanism
 from la_core.text_table import ROUND_OFF
 
-NO_DIFFERENCE = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller differences count as none
+NO_DIFFERENCE = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller differences count as 0
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
     """Yield the checks of the reaction, its interval, YADE's friction state and the mechanism.
 
-    The reaction decides. Where it agrees, what the other checks find is a remark, unless it contradicts limit analysis outright.
+    The reaction decides. If it agrees, an inconclusive result of the other checks becomes a remark; a contradiction stays.
     """
     analysis, run = results.analysis, results.recorded
     prediction = predicted(results)
@@ -55,12 +55,12 @@ def check_prediction(results: Results) -> Iterator[Check]:
 
 
 def _remark(check: Check) -> Check:
-    """Return an inconclusive check as one that agrees, its reason as a remark."""
+    """Return an inconclusive check as an agreeing one, with its reason as a remark."""
     return replace(check, verdict=Verdict.AGREE, next_step="") if check.verdict is Verdict.INCONCLUSIVE else check
 
 
 def _check_reaction(results: Results, prediction: Prediction, state: Check | None) -> Check:
-    """Compare the reactions. state: the check of YADE's friction state, where there is one."""
+    """Compare the reactions. state: the check of YADE's friction state, if there is one."""
     scene, run = results.scene, results.recorded
     name, value, reaction = f"{scene.quantity} against prediction", prediction.value, run.result.reaction
     if prediction.obstacle:
@@ -83,9 +83,10 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
 
 
 def _if_not_for_the_weight(results: Results, check: Check, stated: float) -> Check:
-    """Return the check, inconclusive where reactions agree only because both are small beside the weight.
+    """Return the check; it becomes inconclusive if the reactions agree only because both are small compared with the weight.
 
-    They then differ by more than both methods state, and by more than MOST_UNCERTAIN. stated: uncertainty of the prediction, N or N m.
+    The reactions then differ by more than both stated uncertainties and by more than MOST_UNCERTAIN. stated: uncertainty of the
+    prediction, N or N m.
     """
     analysis, run = results.analysis, results.recorded
     least, difference = least_reaction(analysis), abs(check.difference or 0.0)
@@ -100,12 +101,12 @@ def _if_not_for_the_weight(results: Results, check: Check, stated: float) -> Che
 
 
 def _check_release(results: Results, prediction: Prediction, check: Check, before: str) -> Check:
-    """Return the check where YADE's plateau may be the one after turning blocks have released a thrust.
+    """Return the check if YADE's plateau may be the plateau after turning blocks have released a thrust.
 
-    Limit analysis predicts this plateau before YADE runs. The check agrees only where YADE's curve was at the prediction first, and its
-    plateau is at the value after the release.
+    Limit analysis predicts this plateau before YADE runs. The check agrees only if YADE's curve was at the prediction first and its plateau
+    is at the value after the release.
 
-    check: says that the plateau differs from the prediction. before: where the curve was at the prediction, "" if it was not.
+    check: check of a plateau that differs from the prediction. before: sentence on the part of the curve at the prediction, "" if none.
     """
     scene, reaction, release = results.scene, results.recorded.result.reaction, prediction.release
     check = replace(check, reason=f"{check.reason} {before}".rstrip())
@@ -130,10 +131,10 @@ def _check_release(results: Results, prediction: Prediction, check: Check, befor
 
 
 def _unsure_check(results: Results, check: Check, unsure: list[Unsure], prediction: Prediction) -> Check:
-    """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree.
+    """Return the check of the reaction if a method is too uncertain. Reactions that differ by less than the floor alone still agree.
 
-    Where a value is known to no better than MOST_UNCERTAIN, nothing does. The uncertainty of limit analysis may come from several plateaus:
-    finer paths may join them, and where they do not, they are the answer.
+    They do not agree if an uncertainty exceeds MOST_UNCERTAIN. The uncertainty of limit analysis may come from several plateaus: finer
+    paths may give a single plateau; otherwise the several plateaus are the answer.
     """
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
@@ -149,9 +150,9 @@ def _unsure_check(results: Results, check: Check, unsure: list[Unsure], predicti
 
 
 def _other_history(results: Results) -> tuple[str, str]:
-    """Why both methods follow different histories of friction, and what to do; two times "" where nothing says so.
+    """Return the reason why the methods follow different histories of friction, and the next step; two times "" without a reason.
 
-    Only a lifted support is excused: its lift is a history before the settlement, and the methods need not come to rest alike.
+    The only accepted reason is a lifted support: the lift is a history before the settlement, and the states at rest may differ.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if not wedging(scene) or analysis.coulomb is None or not len(recorded := run.settling("reaction")):
@@ -167,9 +168,9 @@ def _other_history(results: Results) -> tuple[str, str]:
 
 
 def _jump(results: Results) -> tuple[str, str]:
-    """Why a jump on YADE's way may have led to another plateau, and what to do; two times "" where no block jumped.
+    """Return a sentence on a jump that may have led YADE to another plateau, and the next step; two times "" if no block jumped.
 
-    Without a jump a wall of 250 blocks came to the plateau of limit analysis, and after jumps to others, 8 to 12 % higher.
+    Without a jump a wall of 250 blocks came to the plateau of limit analysis. After jumps it came to others, 8 to 12 % higher.
     """
     settlement, sizes = (results.recorded.settling(name) for name in ("settlement", "unbalanced"))
     if not len(sizes) or not sizes.max() > exchange.JUMP * unbalanced(results):
@@ -183,15 +184,16 @@ def _jump(results: Results) -> tuple[str, str]:
 
 
 def leaves_plateau(results: Results) -> bool:
-    """Return whether YADE's value leaves the plateau that the run states, before the run ends."""
+    """Return whether YADE's reaction leaves the stated plateau before the run ends."""
     last, *_ = str(results.recorded.result.message).split(exchange.EARLIER_ATTEMPT)
     return exchange.LEFT_PLATEAU in last
 
 
 def _left(results: Results) -> tuple[str, str]:
-    """Why YADE's plateau may be one on the way, and what to do; two times "" where the run ends on it.
+    """Return a sentence on a plateau of YADE that the reaction leaves later, and the next step; two times "" if the run ends on it.
 
-    A pushed wall of rubble rested at 1.057, as in limit analysis on the way, and went on to the prediction, 1.143, on stiffer joints.
+    A pushed wall of rubble stayed at 1.057 for a while, as on the path of limit analysis. With stiffer joints it reached the prediction,
+    1.143.
     """
     if not leaves_plateau(results):
         return "", ""
@@ -214,7 +216,7 @@ def _unsure_words(unsure: Unsure, unit: str) -> str:
 
 
 def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]:
-    """Yield the check that YADE's reaction lies in the interval, which binds every method with the same mechanism."""
+    """Yield the check that YADE's reaction lies in the interval, which holds for every method with the same mechanism."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if any(math.isnan(end) for end in prediction.interval):
         return

@@ -1,4 +1,4 @@
-"""Check that a reduced model is valid: plane motion alone, blocks within reach alone, and no contacts but those listed."""
+"""Check that a reduced model is valid: with plane motion alone, with blocks within reach alone, or without new contacts."""
 
 from collections.abc import Iterator
 
@@ -18,7 +18,7 @@ IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block's speed: te
 
 
 def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
-    """Yield the check that the answer of a plane model also solves the model in space; nothing for a model in space."""
+    """Yield the check that the answer of a plane model also solves the model in space; no check for a model in space."""
     answer = analysis.main_answer
     if not analysis.assembly.effects.plane or answer.status is not Status.SOLVED:
         return
@@ -30,9 +30,9 @@ def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
 
 
 def check_reach(results: Results) -> Iterator[Check]:
-    """Yield the check that the blocks set aside would stand under YADE's forces and that its mechanism does not extend to them.
+    """Yield the check that the blocks set aside would stand under YADE's forces, and that YADE's mechanism does not include them.
 
-    Their equilibrium is judged to the accuracy of YADE's own state. Nothing where all blocks were modelled.
+    The tolerance of their equilibrium is the accuracy of YADE's own state. There is no such check if all blocks were modelled.
     """
     analysis, run = results.analysis, results.recorded
     region = analysis.assembly
@@ -46,7 +46,7 @@ def check_reach(results: Results) -> Iterator[Check]:
 def check_displacement(results: Results) -> Iterator[Check]:
     """Yield the check that no block moved more than half the least gap, so that no new contact was missed.
 
-    Two blocks approach each other by at most twice the largest displacement. Nothing for finite displacements.
+    Two blocks approach each other by at most twice the largest displacement. There is no such check for finite displacements.
     """
     analysis, run = results.analysis, results.recorded
     if analysis.assembly.effects.displacement != "small" or not len(run.poses.displacement):

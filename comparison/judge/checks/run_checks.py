@@ -1,4 +1,4 @@
-"""The checks of YADE's run, and which checks a run allows."""
+"""The checks of YADE's run, and the choice of the checks that a run allows."""
 
 import math
 from collections.abc import Iterator
@@ -21,17 +21,17 @@ from la_core.scene import Scene
 
 SLIPPED = "The blocks stood at rest. A later jump may throw a block. A block that slides by about the inset may slip off its joint."
 BELOW = "multiplier below its upper bound"
-SPEED = 0.05  # of the speed along a live load: the servo still stretches a little while the multiplier changes
-SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only round-off may separate the two
+SPEED = 0.05  # of the speed along a live load: the servo's spring still stretches a little while the multiplier changes
+SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so imposed and reached settlement differ only by round-off
 
 
 def check_run(results: Results) -> list[Check]:
-    """Return every check that YADE's run and limit analysis allow on each other."""
+    """Return every check that YADE's run and limit analysis allow."""
     return [next_steps.own_settings_first(check, results.scene) for check in _checks_of(results)]
 
 
 def _checks_of(results: Results) -> list[Check]:
-    """Return the checks in their order; a run without a value, or not in balance, ends the list early."""
+    """Return the checks in their order; the list is shorter for a run without a value or out of balance."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in CARRIED_OUT:
@@ -50,7 +50,7 @@ def _checks_of(results: Results) -> list[Check]:
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
-        checks = [driven, *map(without_contradiction, checks[1:])]  # blocks that rattle may touch others
+        checks = [driven, *map(without_contradiction, checks[1:])]  # rattling blocks may touch others
         reason = f"YADE's {scene.quantity} was not steady when the run ended: {run.result.message}."
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.LONGER)]
     checks.append(balance := _check_balance(results))
@@ -61,9 +61,9 @@ def _checks_of(results: Results) -> list[Check]:
 def _check_reaction(results: Results) -> Iterator[Check]:
     """Yield the checks of the reaction.
 
-    A mean state of YADE that is out of equilibrium does not contradict the prediction, because inertia may separate the two. A plateau that
-    YADE leaves does not, either. Other weights in YADE would put the state out of equilibrium, too. So bounds and force sums still count,
-    except where YADE leaves such a state.
+    A mean state of YADE that is out of equilibrium does not contradict the prediction, because inertia may cause the difference. A plateau
+    that YADE leaves does not contradict it, either. But a state may also be out of equilibrium because of other weights in YADE. So bounds
+    and force sums still count for it, unless YADE leaves such a state.
     """
     is_in_balance, is_passing = _imbalance(results) <= unbalanced(results), leaves_plateau(results)
     for make in (_check_bounds, check_reach, check_prediction, check_sections):
@@ -72,10 +72,10 @@ def _check_reaction(results: Results) -> Iterator[Check]:
 
 
 def _check_standing(results: Results) -> Check:
-    """Return the check of whether the structure stands, where one method or both say that it falls.
+    """Return the check that the structure stands, if it falls in one method or in both.
 
-    A proof that no equilibrium exists binds every method. An equilibrium that exists need not be found: for friction without dilatancy
-    the safe theorem fails, and blocks laid without thrust may slide although a thrust could hold them.
+    A proof that no equilibrium exists holds for every method. But a structure need not reach an existing equilibrium: the safe theorem is
+    not valid for friction without dilatancy, and blocks laid without thrust may slide although a thrust could hold them.
     """
     analysis, run = results.analysis, results.recorded
     bound, name = analysis.bounds[analysis.main], "the structure stands"
@@ -101,7 +101,7 @@ def _check_standing(results: Results) -> Check:
 
 
 def _stood_at_rest(results: Results) -> bool:
-    """Return whether blocks that fell need no thrust: the support moved by then, and the path of limit analysis has a plateau."""
+    """Return whether fallen blocks stood at rest without a thrust: the support has moved, and limit analysis has a plateau."""
     coulomb, run = results.analysis.coulomb, results.recorded
     is_settling = results.scene.live is None and run.result.settlement > 0.0
     return is_settling and coulomb is not None and coulomb.status is Status.SOLVED
@@ -115,7 +115,7 @@ def _check_settlement(scene: Scene, run: Run) -> Check:
 
 
 def _check_speed(results: Results) -> Check:
-    """Check that the servo of a live load kept the blocks moving at the speed that was set: then no part of the load speeds them up.
+    """Check that the servo of a live load kept the blocks at the set speed: then no part of the load accelerates them.
 
     The speed is the mean of the blocks' speeds along the load, weighted by mass times speed.
     """
@@ -164,9 +164,9 @@ def _imbalance(results: Results) -> float:
 
 
 def _check_balance(results: Results) -> Check:
-    """Check the power of the unbalanced forces of YADE's mean state on limit analysis' mechanism for a unit motion, or load, that drives.
+    """Check the power of the unbalanced forces of YADE's mean state on the mechanism of limit analysis per unit motion or unit live load.
 
-    By virtual power, these forces change the reaction by that amount. A slow sway under a tall block shows in this check alone.
+    By virtual power, these forces change the reaction by that amount. Only this check shows a slow sway of a tall block.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly = analysis.assembly
@@ -194,7 +194,7 @@ def _multiplier(results: Results) -> float:
 def _check_bounds(results: Results) -> Iterator[Check]:
     """Yield the check that a reaction lies between the bounds: any quasi-static state on the same contact points is statically admissible.
 
-    For the same reason no multiplier of a live load is above the associated one; nothing where that is unlimited.
+    For the same reason no multiplier of a live load is above the associated one. There is no such check if that one is unlimited.
     """
     if results.scene.live is not None:
         if results.analysis.is_without_bound:

@@ -1,4 +1,4 @@
-"""Check force sums over sections, which both methods must share although single contact forces are not determined."""
+"""Check force sums over sections. Both methods must have the same sums, although single contact forces are not determined."""
 
 from collections.abc import Iterator
 
@@ -13,14 +13,14 @@ from la_core.limit import section_forces
 from la_core.measures import residuals
 from la_core.scene import Scene
 
-SECTION = 1e-2  # of the weight: each of YADE's forces in the sum carries its own unbalanced part
-ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
+SECTION = 1e-2  # of the weight: every force of YADE in the sum has an unbalanced part
+ALONG = 1e-6  # of a unit vector: round-off in the comparison of a direction with an axis
 
 
 def check_sections(results: Results) -> Iterator[Check]:
-    """Yield the checks of force sums over horizontal cuts, which equilibrium fixes, and across the reaction, which it bounds.
+    """Yield the checks of two force sums: over horizontal cuts, which equilibrium determines, and across the reaction, which it bounds.
 
-    A live load adds to the sums by YADE's own multiplier, which another check compares; and it has no support.
+    A live load enters the sums with YADE's own multiplier, which another check compares. It has no support, so there is no second check.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly, forces = analysis.assembly, run.plateau_forces()
@@ -44,7 +44,7 @@ def check_sections(results: Results) -> Iterator[Check]:
 
 
 def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield names and unit vectors (3,) of the directions across the reaction; all axes where it is a moment, or shares of forces."""
+    """Yield names and unit vectors (3,) of the directions across the reaction; all axes for a moment, or for supports with own twists."""
     assert scene.support_twist is not None  # a live load has no support
     motion = scene.support_twist[:3]
     across = np.eye(3) if scene.is_rotation or scene.own_twists is not None else np.concatenate(plane_axes(motion[None, :]))

@@ -1,8 +1,8 @@
-"""Tolerances of the reaction, one of zero included, and how uncertain a method may be that is judged.
+"""Tolerances of the reaction, also of a reaction of zero, and the largest uncertainty of a method that allows a verdict.
 
-A tolerance is a floor for what neither method states, and the uncertainties that both state. Where a method is too uncertain, only the
-floor counts: no uncertainty, however large, turns a difference into agreement. Reactions are in N, moments in N m; under a live load the
-multiplier, which has no unit, takes their place.
+A tolerance is the sum of both stated uncertainties and a floor. The floor covers errors that neither method states. If a method is too
+uncertain, only the floor counts: a large uncertainty never makes two different values agree. Reactions are in N, moments in N m; a live
+load has a multiplier instead, without unit.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from la_core.analysis import LimitAnalysis
 from la_core.limit import Status, share_of_free_fall
 from la_core.model import Assembly
 
-# Of the reaction: what neither method states. YADE's blocks move, by at most 1/400 of a block's size, and the prediction is for the
-# undeformed geometry. That changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
+# Of the reaction: errors that neither method states. YADE's blocks move by at most 1/400 of a block's size, but the prediction is for the
+# undeformed geometry. This changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
 FLOOR = 5e-3
-# Of the reaction: where a method states more, the floor alone counts; twice the floor, so that the floor still matters.
+# Of the reaction: with a larger uncertainty of a method only the floor counts. It is twice the floor, so that the floor still matters.
 UNCERTAIN = exchange.UNCERTAIN
-MOST_UNCERTAIN = 0.05  # of the reaction: a value that is known no better agrees with nothing, however near another one lies
+MOST_UNCERTAIN = 0.05  # of the reaction: a value with a larger uncertainty agrees with no other value, not even with a close one
 LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
 UNBALANCED = exchange.UNBALANCED  # of the mean block weight: inertia and damping of a quasi-static run
 
@@ -32,9 +32,9 @@ class Unsure:
     method : str
         "limit analysis" or "YADE".
     uncertainty : float
-        What it states, N or N m.
+        Stated uncertainty, N or N m.
     allowed : float
-        What a verdict allows, N or N m.
+        Largest uncertainty for a verdict, N or N m.
     share : float
         The uncertainty over the reaction, or over the smallest reaction that is judged by its size.
     """
@@ -46,16 +46,16 @@ class Unsure:
 
 
 def reaction_tolerance(results: Results, stated: float = 0.0) -> float:
-    """Return the tolerance of YADE's reaction, N or N m: the floor, YADE's own uncertainty, and what limit analysis states.
+    """Return the tolerance of YADE's reaction, N or N m: the floor, plus the uncertainties of YADE and of limit analysis.
 
-    stated: the uncertainty of the prediction, or the error of a bound that stands for it, N or N m; 0 for bounds around it.
+    stated: uncertainty of the prediction, or error of the bound that is used as prediction, N or N m; 0 for a comparison with bounds.
     """
     run = results.recorded
     return floor(results) + float(run.result.uncertainty) + stated
 
 
 def floor(results: Results) -> float:
-    """Return what neither method states, N or N m; either may be off by a requested accuracy."""
+    """Return the floor of the tolerance, N or N m; at least twice a requested accuracy, because either method may be off by it."""
     analysis, reaction = results.analysis, abs(results.recorded.result.reaction)
     return max(max(FLOOR, 2.0 * accuracy_share(analysis)) * reaction, least_reaction(analysis))
 
@@ -63,7 +63,7 @@ def floor(results: Results) -> float:
 def unbalanced(results: Results) -> float:
     """Return the largest unbalanced force of a quasi-static state, over the mean block weight.
 
-    It is a share of a block's weight, or of AT_STAKE of the reaction where this is more: of a thousand blocks a few always move.
+    It is UNBALANCED, or the same share of AT_STAKE times the reaction if this is more: among a thousand blocks a few always move.
     """
     assembly = results.analysis.assembly
     if assembly.has_live_load:
@@ -83,7 +83,7 @@ def accuracy_share(analysis: LimitAnalysis) -> float:
 
 
 def least_reaction(analysis: LimitAnalysis) -> float:
-    """Return the floor of a reaction of zero: N, or N m with the size of a mean block as lever arm; without unit for a multiplier."""
+    """Return the floor for a reaction of zero: N, or N m with the size of a mean block as lever arm; without unit for a multiplier."""
     scene = analysis.scene
     if scene.live is not None:
         return LEAST_REACTION
@@ -91,7 +91,7 @@ def least_reaction(analysis: LimitAnalysis) -> float:
 
 
 def unsure_methods(results: Results, stated: float) -> list[Unsure]:
-    """Return the methods whose stated uncertainty is too large to be judged, limit analysis first: it is the cheaper one to refine.
+    """Return the methods whose stated uncertainty is too large for a verdict. Limit analysis is first, because it is cheaper to refine.
 
     stated: the uncertainty of the prediction, N or N m.
     """
@@ -103,7 +103,7 @@ def unsure_methods(results: Results, stated: float) -> list[Unsure]:
 
 
 def stated_uncertainty(analysis: LimitAnalysis) -> float:
-    """Return the uncertainty that the prediction states, N or N m; 0 where it states none, as a bound or a file of version 0.2.0."""
+    """Return the stated uncertainty of the prediction, N or N m; 0 if there is none, as for a bound or in a file of version 0.2.0."""
     coulomb = analysis.coulomb
     if coulomb is None or coulomb.status not in (Status.SOLVED, Status.INACCURATE) or not coulomb.uncertainty > 0.0:
         return 0.0
