@@ -1,4 +1,4 @@
-"""YADE as a process: find it, run it, read its record, choose its settings for a requested accuracy."""
+"""YADE as a process: find it, run it, read its record, and choose its settings for a requested accuracy."""
 
 from comparison.yade import accuracy_settings
 from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of

@@ -1,4 +1,4 @@
-"""Choose YADE settings for a requested accuracy, estimate the run's error, and rerun more slowly if it is too large."""
+"""Choose YADE's settings for a requested accuracy, estimate the error of a run, and choose a slower run if it is too large."""
 
 import math
 from dataclasses import replace
@@ -13,24 +13,25 @@ from la_core.limit import Status
 from la_core.scene import Scene
 
 FIT, INERTIA = "fitted plateau", "inertia"
-# Of the reaction, at the derived speed and in proportion to it: the effect of speed on friction's history where joints slide.
+# Share of the reaction: effect of the speed on friction's history if joints slide. It is in proportion to the speed; this is its value at
+# the derived speed.
 HISTORY_OF_SPEED = 0.0033
-HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
-# Of the reaction: what stiffness and time step may do beside friction's history, which is a part of its own here.
+HISTORY_SHARE = 0.5  # of the accuracy: largest effect of the speed on friction's history in the first run
+# Share of the reaction: effect of stiffness and time step. The effect of friction's history is a separate part here.
 SETTINGS_UNCERTAINTY = 2e-4
-INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
-# Runs without history may move faster than derived, at this accuracy that many times. Those with history may not: what they would save
-# goes to a further attempt, because the two speeds then differ too much.
+INERTIA_OF_SPEED = 0.03  # times the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
+# A run without history may move FASTEST times as fast as derived at FAST_ACCURACY, and slower in proportion at a finer accuracy. A run with
+# history may not move faster: the two speeds would differ too much, and a further attempt would cost the time that was saved.
 FASTEST, FAST_ACCURACY = 8.0, 0.01
-STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
-FIT_SHARE = 0.5  # of the accuracy: a slower run stops as early if the fitted plateau takes no more, because it costs far less travel
-LOOSEST_STOP = 0.002  # the same of runs with history, at most: two loosely known plateaus seem to differ by their speed
-SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
+STOP_SHARE = 0.25  # of the accuracy: uncertainty of the fitted plateau at which a run stops early
+FIT_SHARE = 0.5  # of the accuracy: if the fitted plateau is known to this, a slower run may stop as early, which needs far less travel
+LOOSEST_STOP = 0.002  # largest such uncertainty of a run with history: less certain plateaus would seem to differ by their speed
+SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor on the duration from one attempt to the next
 MOST_ATTEMPTS = 4
 
 
 def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
-    """Return the analysis with settings for YADE's first run at the requested accuracy; settings of the scene's [yade] go first.
+    """Return the analysis with settings for YADE's first run at the requested accuracy; settings in the scene's [yade] are kept.
 
     Without a requested accuracy, or without a solution, the analysis is returned unchanged.
     """
@@ -48,15 +49,15 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
 
 
 def may_slide(analysis: LimitAnalysis) -> bool:
-    """Return whether joints may slide in YADE: always, unless limit analysis itself found that no joint slides."""
+    """Return whether joints may slide in YADE; they always may, unless limit analysis itself found that no joint slides."""
     scene = analysis.scene
     return has_history(analysis) or (scene.effects.friction != "auto" and bool(analysis.assembly.points.friction.any()))
 
 
 def _left_open(scene: Scene, settings: dict[str, float]) -> dict[str, float]:
-    """Return the settings that the scene leaves to the program; a speed in the scene also fixes the travel's periods.
+    """Return the settings that the scene leaves open; a speed in the scene also fixes the travel's periods.
 
-    The periods of a second attempt are those that it begins with: it may become slower.
+    The periods of a second attempt are only initial values, because it may become slower.
     """
     fixed = set(scene.yade) - ({"travel_periods"} if is_second_attempt(scene) else set())
     fixed |= {"travel_periods"} if "speed" in scene.yade else set()
@@ -64,7 +65,7 @@ def _left_open(scene: Scene, settings: dict[str, float]) -> dict[str, float]:
 
 
 def attempt_of(results: Results) -> Attempt:
-    """Return a run as an attempt: its settings, reaction, seconds and estimated error, which is NaN without a plateau."""
+    """Return the attempt of a run: its settings, reaction, seconds and estimated error (NaN without a plateau)."""
     analysis, run = results.analysis, results.recorded
     assert analysis.accuracy is not None
     earlier, reaction = analysis.accuracy.yade, run.result.reaction
@@ -81,9 +82,9 @@ def attempt_of(results: Results) -> Attempt:
 
 
 def _kinetic_ratio(results: Results) -> float:
-    """Return the largest kinetic energy on the plateau over the work there: that of the weights, or of the reaction or live load if larger.
+    """Return the largest kinetic energy on the plateau over the work there: of the weights, or of the reaction or live load if larger.
 
-    The weights may do next to no work. NaN where nothing moves on the plateau.
+    The second is needed because the weights may do almost no work. NaN if nothing moves on the plateau.
     """
     analysis, run = results.analysis, results.recorded
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")
@@ -97,9 +98,9 @@ def _kinetic_ratio(results: Results) -> float:
 
 
 def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
-    """Return the analysis with settings for a slower YADE run; None where this run is good enough or a slower one cannot help.
+    """Return the analysis with settings for a slower YADE run; None if this run is accurate enough or no slower run can be made.
 
-    A slower run cannot help after a timeout, where the scene fixes the speed, or where it would exceed the time limit.
+    No slower run can be made after a timeout, after MOST_ATTEMPTS, if the scene fixes the speed, or if it would exceed the time limit.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
     if math.isfinite(attempt.error):
         slower = min(max(SLOWER, attempt.error / record.asked), MOST_SLOWER)
     elif periods < TRAVEL_PERIODS:
-        slower = min(TRAVEL_PERIODS / periods, MOST_SLOWER)  # the speed may be why there is no plateau
+        slower = min(TRAVEL_PERIODS / periods, MOST_SLOWER)  # the speed may be the reason for the missing plateau
     else:
         return None
     if attempt.seconds * slower > limit:
@@ -133,14 +134,14 @@ def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
 
 
 def carry_attempts_over(rejected: Results, analysis: LimitAnalysis) -> LimitAnalysis:
-    """Return the analysis with the attempts of a rejected model put first: they took time, but their errors do not apply here.
+    """Return the analysis with the attempts of a rejected model in front: they took time, but their errors do not apply here.
 
     Parameters
     ----------
     rejected : Results
         Results of the rejected model, with its run.
     analysis : LimitAnalysis
-        Limit analysis of the model that replaces it.
+        Limit analysis of the model that replaces the rejected one.
     """
     before = rejected.analysis.accuracy
     if before is None or analysis.accuracy is None:

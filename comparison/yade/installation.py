@@ -1,4 +1,4 @@
-"""Where YADE is on this machine, what its version and build are, and the environment that it runs in."""
+"""The location of YADE on this machine, its version and build, and the environment of its process."""
 
 import os
 import re
@@ -12,7 +12,7 @@ from comparison.errors import YadeMissingError
 from comparison.settings import load_settings
 from la_core.errors import visible
 
-TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values: those of Debian 12 and 13
+TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values; Debian 12 and 13 have them
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
 HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` compares it with known values"
 PROBE_SECONDS = 60.0
@@ -53,19 +53,19 @@ if needed:
     sys.exit(f"loads YADE {version}, which lacks names that crosscheck uses: {', '.join(needed)}")
 print("lacks", *wanted)
 print(version)
-"""  # the probe reads the names that our scripts import of YADE, because a separate list would grow old
+"""  # the probe reads from our scripts the names that they import from YADE, because a separate list would become outdated
 
 
 @dataclass(frozen=True)
 class Installation:
-    """Where YADE is on this machine, whether it loads or not.
+    """The location of a YADE on this machine, which may or may not load.
 
     Attributes
     ----------
     python : Path
-        Interpreter that loads it.
+        Interpreter that loads YADE.
     modules : Path
-        Folder that holds its Python package.
+        Folder with YADE's Python package.
     """
 
     python: Path
@@ -79,9 +79,9 @@ class Yade(Installation):
     Attributes
     ----------
     version : str
-        Its version.
+        Version of YADE.
     lacks : tuple of str
-        Optional names that this build lacks, such as Polyhedra.
+        Optional names that are missing in this build, such as Polyhedra.
     """
 
     version: str
@@ -94,14 +94,14 @@ class Yade(Installation):
 
     @property
     def short_caution(self) -> str:
-        """The warning of `caution` in a few words, else ""."""
+        """The warning of `caution` in a few words; "" without a warning."""
         words = ["built without polyhedra"] if "Polyhedra" in self.lacks else []
         words += [] if self.is_tested else ["untested version"]
         return f"{', '.join(words)}, see `crosscheck doctor`" if words else ""
 
     @property
     def caution(self) -> str:
-        """Warning about a build that lacks something or an untested version, else ""; a version is never refused for its number."""
+        """Warning about an incomplete build or an untested version, otherwise ""; no version is refused because of its number."""
         warnings = []
         if "Polyhedra" in self.lacks:
             limit = 'with "finite" displacements a block that is no box along the axes must not come near a block that it did not touch'
@@ -112,9 +112,9 @@ class Yade(Installation):
 
 
 def locate_yade() -> Installation:
-    """Return where YADE is, without a check that it loads; raises YadeMissingError with the command that installs it.
+    """Return the location of YADE without a check that it loads; raises YadeMissingError with the command that installs YADE.
 
-    YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
+    YADE is loaded as a module of the system's Python, because its own launcher would open a TCP prompt and an XMLRPC server.
     The settings `yade` and `yade_python` name another module folder and another interpreter.
     """
     configuration = load_settings()
@@ -122,7 +122,7 @@ def locate_yade() -> Installation:
     found = shutil.which(interpreter)
     if found is None:
         raise YadeMissingError(f"{configuration.place('yade_python')} = {interpreter} is no program; unset it, or {HOW_TO_GET_YADE}")
-    python = Path(found).absolute()  # it will run in a folder of results
+    python = Path(found).absolute()  # because the process runs in a folder of results
     modules = _module_folder(named)
     if modules is None and named is not None:
         raise YadeMissingError(f"{configuration.place('yade')} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
@@ -132,15 +132,15 @@ def locate_yade() -> Installation:
 
 
 def find_yade() -> Yade:
-    """Return the YADE of this machine, after a check that it loads; raises YadeMissingError with the command that installs it.
+    """Return the YADE of this machine after a check that it loads; raises YadeMissingError with the command that installs YADE.
 
-    The check takes as long as a start of YADE. A run does without it, because it finds out by itself.
+    The check takes as long as a start of YADE. A run needs no check, because its start shows whether YADE loads.
     """
     return checked(locate_yade())
 
 
 def checked(installation: Installation) -> Yade:
-    """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
+    """Return an installation with its version and missing names, read when it loads; raises YadeMissingError if it does not load."""
     python, modules = installation.python, installation.modules
     try:
         answer = subprocess.run(
@@ -160,7 +160,7 @@ def checked(installation: Installation) -> Yade:
 
 
 def _module_folder(named: Path | None) -> Path | None:
-    """Return the folder that holds the `yade` package: the one of the setting `named`, else the one in YADE's launcher, or None."""
+    """Return the folder with the `yade` package: the folder `named` by the setting, or else that of YADE's launcher; None without one."""
     if named is not None:
         return named.absolute() if (named / "yade").is_dir() else None
     launcher = shutil.which("yade")
@@ -177,7 +177,7 @@ def _module_folder(named: Path | None) -> Path | None:
 def yade_environment() -> dict[str, str]:
     """Return YADE's environment: one thread, large pages, a home (YADE needs one), and no variable of Python or of this program.
 
-    On large memory pages, where the system has them to give, a step of 1,000 blocks takes 6 % less time.
+    With large memory pages, if the system provides them, a step of 1,000 blocks takes 6 % less time.
     """
     kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
     one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}

@@ -16,11 +16,11 @@ from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.yade.installation import HOW_TO_GET_YADE, SCRIPTS, Installation, checked, yade_environment
 
 LOG_TAIL = 8  # lines of the log that an error quotes
-NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # of a progress report, where known
-GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
-LOADING = 300.0  # seconds; YADE loads in two, with 10,000 blocks in twenty, but one of some ten thousand starts hung
-UNREAD = 2.0  # seconds after LOADING in which a report is still read: one waits where this process was stopped, as by Ctrl-Z
-STARTS = 2  # of a YADE that hangs while it loads
+NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # numbers in a progress report, if known
+GRACE = 60.0  # seconds beyond YADE's own time limit until this program kills the process
+LOADING = 300.0  # longest time to load, s; YADE needs two seconds, with 10,000 blocks twenty, but one of some ten thousand starts hung
+UNREAD = 2.0  # seconds after LOADING in which a report is still read: it may wait unread if this process was stopped, as by Ctrl-Z
+STARTS = 2  # largest number of starts of a YADE that hangs while it loads
 
 
 def run_yade(
@@ -35,25 +35,25 @@ def run_yade(
 
     A YADE that hangs while it loads is started once more.
 
-    Raises YadeFailedError when no result was written, and YadeMissingError where this is because YADE does not load. An interruption of
-    this call ends YADE, too.
+    Raises YadeFailedError if no result was written, but YadeMissingError if the reason is that YADE does not load. An interruption of this
+    call also ends YADE.
 
     Parameters
     ----------
     yade : Installation
-        The YADE to run.
+        YADE installation.
     folder : Path
-        Folder of the scene's results, which holds `case.h5`.
+        Folder of the scene's results with `case.h5`.
     inputs : str
         Digest of the run's inputs, to be stored in `run.h5`.
     time_limit : float
-        Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
+        Time limit, s of wall time; YADE ends by then, and is otherwise killed GRACE seconds later.
     progress : callable
-        Receives each progress report by name: first, as stage "loaded", YADE's version and what its build lacks; then stage, attempt,
-        fraction of the run's expected work, seconds_left (None while unknown), seconds_to_limit, is_late (a plateau was expected
-        before), settlement and reaction.
+        Receives each progress report by name. The first one, with the stage "loaded", has YADE's version and the names missing in its
+        build. The others have stage, attempt, fraction of the run's expected work, seconds_left (None while unknown), seconds_to_limit,
+        is_late (a plateau was expected before), settlement and reaction.
     started : callable
-        Called at each start, when YADE's process runs; a thread that it starts runs while YADE loads.
+        Called after each start of YADE's process, so that a thread started there runs while YADE loads.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
@@ -61,7 +61,7 @@ def run_yade(
     variables = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
     code: int | None = None
     try:
-        log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
+        log.unlink(missing_ok=True)  # otherwise a link in place of the log would be followed
         with log.open("x") as record:
             for _ in range(STARTS):
                 began = time.monotonic()
@@ -69,7 +69,7 @@ def run_yade(
                 if code is not None:
                     break
                 record.write(f"YADE did not load within {LOADING:g} s\n")
-    except OSError as error:  # an error of the log itself does not name its file
+    except OSError as error:  # an error in writing the log does not name its file
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code is None:
         raise YadeFailedError(f"YADE did not load within {LOADING:g} s, {STARTS} times; run the same command again, with less beside it")
@@ -88,9 +88,9 @@ def _followed(
     progress: Callable[[dict[str, Any]], None],
     started: Callable[[], None],
 ) -> int | None:
-    """Run a process and return its exit code; None where it was killed because it reported nothing within LOADING seconds.
+    """Run a process and return its exit code; None if it was killed because it reported nothing within LOADING seconds.
 
-    It is also killed after `seconds`, and when this call ends. `record` receives its output.
+    The process is also killed after `seconds`, and when this call ends. `record` receives its output.
     """
     try:
         process = subprocess.Popen(
@@ -112,7 +112,7 @@ def _followed(
         overtime.start()
         loading.start()
         started()
-        assert process.stdout is not None  # it is a pipe
+        assert process.stdout is not None  # because it is a pipe
         with process.stdout:
             for line in process.stdout:
                 record.write(line)
@@ -133,29 +133,29 @@ def _report(line: str) -> dict[str, Any] | None:
     try:
         report = json.loads(line.removeprefix("progress ")) if line.startswith("progress ") else None
     except ValueError:
-        return None  # a line that only begins like a report
+        return None  # the line only begins like a report
     if not isinstance(report, dict) or not isinstance(report.get("lacks", []), list):
         return None
     return report if all(_is_number(report.get(name)) for name in NUMBERS) else None
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value of a report is a finite number, or is not known."""
+    """Whether a value of a report is a finite number or unknown."""
     return value is None or (isinstance(value, int | float) and math.isfinite(value))
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
     """Kill a process and every process that it started."""
     if process.poll() is None:
-        with contextlib.suppress(ProcessLookupError):  # it may have ended in this moment
+        with contextlib.suppress(ProcessLookupError):  # the process may have ended just now
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 
 
 def _caution(installation: Installation, is_killed: bool) -> str:
-    """Return what a reader of a failure should know about this YADE; raises YadeMissingError where it does not load.
+    """Return the caution about this YADE for the message of a failure; raises YadeMissingError if it does not load.
 
-    is_killed: whether the failed process had been killed, so that it may have loaded.
+    is_killed: whether the failed process was killed; it may then have loaded, so no error is raised.
     """
     try:
         caution = checked(installation).caution

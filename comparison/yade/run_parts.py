@@ -1,4 +1,4 @@
-"""The parts of the record of a YADE run: how it ended, its series over time and its stored states."""
+"""The parts of the record of a YADE run: its end, its series over time and its stored states."""
 
 from collections.abc import ItemsView, Iterator, KeysView, ValuesView
 from dataclasses import dataclass, field
@@ -13,9 +13,9 @@ STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
 
 class _Named:
-    """Access to attributes by their name in `run.h5`, too: `run.result["reaction"]` is `run.result.reaction`.
+    """Access to attributes also by their name in `run.h5`: `run.result["reaction"]` is `run.result.reaction`.
 
-    In version 0.2.0 these were dictionaries: what iterates over names, or asks for one, works as it did. `len` counts samples.
+    In version 0.2.0 these objects were dictionaries. Code that iterates over names, or reads a name, works as before. `len` counts samples.
     """
 
     def __getitem__(self, name: str) -> Any:
@@ -45,7 +45,7 @@ class _Named:
 
 
 class _Series(_Named, Held):
-    """Read-only arrays with one row for each instant, which show their names and their number instead of all values."""
+    """Read-only arrays with one row for each instant; they are displayed by their names and number of rows instead of all values."""
 
     def __repr__(self) -> str:
         first = next(iter(vars(self).values()))
@@ -67,7 +67,7 @@ class RunResult(_Named):
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float
-        Settlement that was imposed, m or rad.
+        Imposed settlement, m or rad.
     plateau_start : float
         Settlement where the fitted plateau begins, m or rad.
     slope : float
@@ -75,16 +75,16 @@ class RunResult(_Named):
     kinetic_ratio : float
         Largest kinetic energy on the plateau over the work of the weights there.
     steps : int
-        Number of time steps.
+        Number of time steps of all attempts.
     seconds : float
         Wall time inside YADE, s.
     version : str
         Version of YADE.
     message : str
-        Why the run ended, as a phrase.
+        Reason for the end of the run, as a phrase.
     uncertainty_scatter, uncertainty_fit, uncertainty_rate, uncertainty_stiffness : float
-        Parts of the uncertainty, N or N m: noise of the record; line through the plateau, or its level; speed of the
-        support, NaN where there was no quicker attempt; strain of the joints, and settings. NaN in runs of version 0.2.0.
+        Parts of the uncertainty, N or N m: noise of the record; choice between line and level of the plateau; speed of the
+        support, NaN without a quicker attempt; strain of the joints, and settings. NaN in runs of version 0.2.0.
     """
 
     status: str
@@ -124,7 +124,7 @@ class RunSeries(_Series):
     kinetic_energy : np.ndarray
         Kinetic energy of the free blocks (T,), J.
     unbalanced : np.ndarray
-        Largest unbalanced force over the mean block weight (T,); before the settlement over 20 times that of the block itself where less.
+        Largest unbalanced force over the mean block weight (T,); before the settlement over 20 times the block's own weight if less.
     damped_energy : np.ndarray
         Energy that the damping of the blocks' swing has taken so far (T,), J; empty in runs of version 0.2.0.
     """

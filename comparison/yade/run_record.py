@@ -1,4 +1,4 @@
-"""The record of a YADE run, as read from `run.h5`."""
+"""The record of a YADE run, read from `run.h5`."""
 
 import json
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ class Run(Held):
     result : RunResult
         End of the run and properties of the plateau.
     record : RunSeries
-        Series over time, each of shape (T,) or (T, 6).
+        Series over time, each with shape (T,) or (T, 6).
     poses : Poses
         Stored states; the first is at rest under gravity.
     extra_contacts : ndarray, shape (E, 2)
@@ -38,9 +38,9 @@ class Run(Held):
 
     Notes
     -----
-    The reaction is the force of the support on the structure, against the direction of settlement; it is positive where
-    the support holds the structure. For a rotation it is a moment. Under a live load its multiplier stands for the reaction, and the
-    mean displacement along it of the weights that it pushes for the settlement.
+    The reaction is the force of the support on the structure, against the direction of settlement; it is positive if the support holds
+    the structure. For a rotation it is a moment. Under a live load the reaction is replaced by its multiplier, and the settlement by the
+    mean displacement of the loaded weights along it.
     """
 
     result: RunResult
@@ -50,7 +50,7 @@ class Run(Held):
     settings: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        """Return one line: the arrays would fill pages."""
+        """Return one line, because the arrays would fill pages."""
         counts = f"{len(self.record)} samples, {len(self.poses)} stored states"
         return f"<Run of YADE {self.result.version}: {self.status}, reaction {self.reaction:.6g} ± {self.uncertainty:.2g}, {counts}>"
 
@@ -70,7 +70,7 @@ class Run(Held):
         return self.result.uncertainty
 
     def to_dataframe(self) -> Any:
-        """Return the record as a table of pandas: one row a sample, with stage, time (s), settlement (m, rad), reaction (N, N m).
+        """Return the record as a pandas table: one row per sample, with stage, time (s), settlement (m, rad), reaction (N, N m).
 
         Returns
         -------
@@ -110,7 +110,7 @@ class Run(Held):
         return getattr(self.record, series)[self.record.stage == exchange.SETTLEMENT]
 
     def _on_plateau(self) -> np.ndarray:
-        """Return the indices of the stored states on the plateau; empty without a plateau, because its start is NaN."""
+        """Return the indices of the stored states on the plateau; without a plateau its start is NaN, and there are none."""
         return np.flatnonzero(self.poses.settlement >= self.result.plateau_start)
 
     def scatter(self) -> float:
@@ -129,7 +129,7 @@ class Run(Held):
         return float(np.std((reaction - line)[kept]) / abs(self.result.reaction)) if kept.any() else float("nan")
 
     def plateau_forces(self) -> np.ndarray:
-        """Return the mean contact forces over the plateau, or those of the last state without a plateau.
+        """Return the mean contact forces over the plateau; without a plateau the contact forces of the last state.
 
         Returns
         -------
@@ -144,7 +144,7 @@ class Run(Held):
         return self.poses.forces[stored if len(stored) else [-1]].mean(axis=0)
 
     def plateau_wrenches(self, assembly: Assembly) -> np.ndarray:
-        """Return the mean wrench of the contact forces on each block over the plateau, or that of the last state without a plateau.
+        """Return the mean wrench of the contact forces on each block over the plateau; without a plateau the wrench in the last state.
 
         Parameters
         ----------
@@ -154,13 +154,13 @@ class Run(Held):
         Returns
         -------
         ndarray, shape (B, 6)
-            Force and moment about the centroid, N and N m. Blocks and contact points stand where the run has moved them: a tall block that
-            leans has other lever arms. Where a joint slides, the point is midway between its places on both blocks.
+            Force and moment about the centroid, N and N m. Blocks and contact points have their displaced positions, because a leaning
+            tall block has other lever arms. If a joint slides, the point is midway between its positions on both blocks.
 
         Raises
         ------
         SceneError
-            The argument is no assembly, or one with another number of blocks or contact points than the run.
+            The argument is no assembly, or has another number of blocks or contact points than the run.
         """
         sizes = self.poses.displacement.shape[1:2] + self.poses.forces.shape[1:2]
         if not isinstance(assembly, Assembly) or sizes != (len(assembly.blocks), len(assembly.points)):
@@ -197,9 +197,9 @@ class Run(Held):
 
 
 def read_run(path: Path, assembly: Assembly) -> Run:
-    """Read `run.h5`; raises exchange.ExchangeError when it is damaged or belongs to another assembly.
+    """Read `run.h5`; raises exchange.ExchangeError if it is damaged or belongs to another assembly.
 
-    assembly: the one that the run was made from, whose numbers of blocks and contact points are checked.
+    assembly: the assembly of the run; its numbers of blocks and contact points are checked.
     """
     missing = set(exchange.LATER_RUN_FIELDS) - set(exchange.present(path, exchange.LATER_RUN_FIELDS))
     data = exchange.read(path, tuple(field for field in exchange.RUN_FIELDS if field not in missing))
@@ -222,5 +222,5 @@ def read_run(path: Path, assembly: Assembly) -> Run:
 
 
 def _without_plateau(status: str) -> dict[str, float]:
-    """Return the values that do not exist without a plateau: what a run was on its way to is quoted nowhere."""
+    """Return NaN for the values that do not exist without a plateau, so that an unfinished value is never quoted."""
     return {} if status == "plateau" else dict.fromkeys(("reaction", "uncertainty", "slope"), float("nan"))

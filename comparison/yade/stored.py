@@ -28,7 +28,7 @@ class Results:
     analysis : LimitAnalysis
         Limit analysis, which carries the scene.
     run : Run or None
-        YADE's run; None where it failed or was not requested.
+        YADE's run; None if it failed or was not requested.
     """
 
     analysis: LimitAnalysis
@@ -41,7 +41,7 @@ class Results:
 
     @property
     def recorded(self) -> Run:
-        """YADE's run, without None; raises ValueError where there is no run."""
+        """YADE's run; raises ValueError if there is no run."""
         if self.run is None:
             raise ValueError(f"{self.scene.name}: there is no YADE run in these results")
         return self.run
@@ -49,7 +49,7 @@ class Results:
     def per_motion(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of limit analysis per unit of the motion that YADE records: of the support, or along the live load, m.
 
-        The motion along a live load is the mean of what it pushes: its power over its sum; NaN where it is not above 0.
+        The motion along a live load is the mean over the loaded weights: the power of the load over its sum. NaN if it is not above 0.
         """
         if self.scene.live is None:
             return twists
@@ -57,15 +57,15 @@ class Results:
         return _over(twists, float(np.sum(load * twists) / np.linalg.norm(load[:, :3], axis=1).sum()))
 
     def per_drive(self, twists: np.ndarray) -> np.ndarray:
-        """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.
+        """Return twists (B, 6) of YADE per unit of the drive of limit analysis: motion of the support, or power of the unit live load.
 
-        The inverse of `per_motion`; NaN where the power of a live load on these twists is not above 0.
+        This is the inverse of `per_motion`; NaN if the power of a live load on these twists is not above 0.
         """
         return twists if self.scene.live is None else _over(twists, float(np.sum(self.analysis.assembly.live_load * twists)))
 
     @property
     def stiffening(self) -> float:
-        """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN where a stiffness is undefined or zero."""
+        """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN if a stiffness is undefined or zero."""
         if self.run is None:
             return 1.0
         normal = self.analysis.stiffness.normal
@@ -74,16 +74,16 @@ class Results:
 
     @property
     def path_scale(self) -> float:
-        """Settlement of the requested path over that of YADE's run at which both are alike; NaN where `stiffening` is.
+        """Settlement of the requested path over the corresponding settlement of YADE's run; NaN if `stiffening` is NaN.
 
-        With small rotations only travel over sag counts, so both strain their joints alike. With finite ones both have released as much:
-        the settlement of a release grows with the root of the sag.
+        With small rotations, joints strain equally at corresponding settlements, because only the settlement over the sag counts. With
+        finite rotations, equal thrusts have been released, because the settlement of a release grows with the root of the sag.
         """
         return math.sqrt(self.stiffening) if self._turns else self.stiffening
 
     @property
     def prediction_scale(self) -> float:
-        """The same for the curve of the prediction, whose joints stand for stiffer ones where rotations are finite."""
+        """The same ratio for the curve of the prediction, whose joints represent stiffer ones if rotations are finite."""
         stands_for_stiffer = self._turns and not has_given_stiffness(self.scene)
         return self.path_scale * (math.sqrt(STIFFER) if stands_for_stiffer else 1.0)
 
@@ -93,14 +93,14 @@ class Results:
 
 
 def _over(twists: np.ndarray, size: float) -> np.ndarray:
-    """Return twists (B, 6) over a size; NaN where it is not above 0."""
+    """Return twists (B, 6) divided by a size; NaN if the size is not above 0."""
     return twists / size if size > 0.0 else np.full_like(twists, np.nan)
 
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
-    """Read the results in a scene's folder; raises exchange.ExchangeError where limit analysis is missing or a file is damaged.
+    """Read the results in a scene's folder; raises exchange.ExchangeError if limit analysis is missing or a file is damaged.
 
-    interfaces: those of the scene's blocks, where they are known already; they are searched for otherwise.
+    interfaces: interfaces of the scene's blocks, if they are already known; otherwise they are searched for.
     """
     scene = folder / "scene.toml"
     if not scene.is_file():
@@ -111,13 +111,13 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
 
 
 def among_results(name: str) -> str:
-    """Return a hint with the path of the stored results of this name, as the end of a message; "" where none are stored."""
+    """Return a hint with the path of the stored results of this name, as the end of a message; "" without such results."""
     folder = load_settings().settings.output / name
     return f'did you mean "{folder}"?' if _holds((folder / "case.h5").is_file) else ""
 
 
 def _holds(question: Callable[[], bool]) -> bool:
-    """Return the answer to a question about a path; nothing has a name that is too long for the system."""
+    """Return the answer to a question about a path; it is False if the name is too long for the system."""
     try:
         return question()
     except OSError as error:
@@ -127,7 +127,7 @@ def _holds(question: Callable[[], bool]) -> bool:
 
 
 def locate_results(source: str) -> list[Path]:
-    """Return the folders of stored results: `source`, or all inside it; empty where `source` names a scene instead.
+    """Return the folders of stored results: `source`, or all inside it; empty if `source` names a scene instead.
 
     Raises SceneError for a folder without results.
     """
