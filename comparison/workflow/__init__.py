@@ -1,4 +1,4 @@
-"""One scene through both methods, stage by stage; a stage whose inputs did not change is not run again. Scenes go side by side."""
+"""One scene through both methods, stage by stage. A stage with unchanged inputs is not run again. Scenes run in parallel."""
 
 from comparison.limit_analysis import Listener
 from comparison.workflow.harder import refuse_names_of_attempts, try_harder

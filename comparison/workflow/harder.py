@@ -1,7 +1,7 @@
-"""A second, harder attempt where the first one ends without agreement: each method with finer settings of its own.
+"""A second attempt after a first one without agreement, with finer settings for each method.
 
-The settings depend on the scene and on the settings of the first attempt, never on a value of either method, so that the
-second attempt is as blind as the first. The first verdict is kept, and the second one tells it.
+The settings depend on the scene and on the settings of the first attempt, never on a value of either method. So the second attempt is as
+blind as the first. The first verdict is stored with the second comparison.
 """
 
 import math
@@ -19,14 +19,15 @@ from la_core.errors import SceneError
 from la_core.exchange import EARLIER_ATTEMPT, TRAVEL_PERIODS
 from la_core.scene import Scene, same_structure
 
-STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in proportion to their strain, so plateaus are flatter
-SLOWER = 2.0  # times the duration of YADE's travel
-STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # that a scene may set itself
-DAMPED = 1.0  # damping ratio at the contacts: a light damping can jump over a state where the joints would have held
-# Times the seconds of one attempt of YADE's first run, which may have made up to five before it knew how stiff and how damped to be. On
-# 14 scenes a second run took 1.4 to 19 times as long as such an attempt, 10 in the median. One that takes longer than it may is stopped.
+STIFFER = 4.0  # factor on the stiffness of the joints: the travel over their strain grows by as much, so plateaus are flatter
+SLOWER = 2.0  # factor on the duration of YADE's travel
+STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # names of the stiffnesses that a scene may set
+DAMPED = 1.0  # damping ratio at the contacts: with light damping blocks may jump past an equilibrium
+# Seconds of the second run over those of one attempt of YADE's first run. The first run may have made up to five attempts until stiffness
+# and damping were right. On 14 scenes the second run took 1.4 to 19 times as long as such an attempt, 10 in the median. A second run that
+# exceeds its time is stopped.
 DEARER = 10.0
-DEARER_PATHS = 8.0  # times the seconds of the first prediction
+DEARER_PATHS = 8.0  # seconds of the second prediction over those of the first
 OPEN = (Verdict.DISAGREE, Verdict.UNEXPECTED, Verdict.INCONCLUSIVE)  # verdicts that call for a second attempt
 
 
@@ -35,7 +36,8 @@ def try_harder(
 ) -> dict[str, Any] | None:
     """Run a scene again with finer settings, and return the content of the second comparison.json.
 
-    None where the first verdict leaves nothing open, and where no attempt can be made or it would take too long: the listener is told why.
+    None if the first verdict leaves nothing open. Also None if no attempt can be made, or if it would take too long; the listener then gets
+    the reason.
 
     Parameters
     ----------
@@ -44,13 +46,13 @@ def try_harder(
     scene : Scene
         The scene of the first attempt.
     results : Path
-        Folder of all results; the second attempt has a folder of its own in it, SCENE_harder.
+        Folder of all results; the second attempt has its own folder SCENE_harder there.
     listener : Listener
         Receives the progress.
     with_yade : bool
         Whether YADE runs.
     seconds : float
-        Wall time that the attempt may take, s; YADE's run is stopped there, whatever the time limit of the first one.
+        Longest wall time of the attempt, s; YADE's run is then stopped, even if the first run had a longer limit.
     """
     if first["verdict"] not in OPEN:
         return None
@@ -67,7 +69,7 @@ def try_harder(
 
 
 def _why_finest(scene: Scene, with_yade: bool) -> str:
-    """Return why no settings of a second attempt are finer than those of a scene; "" where some are."""
+    """Return the reason why no settings of a second attempt are finer than those of a scene; "" if some are."""
     if is_second_attempt(scene):
         return f'this is a second attempt already, because its name ends in {SECOND_ATTEMPT} and its effort is "high"'
     if scene.effort == "high" and not with_yade:
@@ -76,7 +78,7 @@ def _why_finest(scene: Scene, with_yade: bool) -> str:
 
 
 def _too_long(first: Mapping[str, Any], with_yade: bool, of_prediction: float, seconds: float) -> str:
-    """Return that the second attempt would take longer than it may; "" where it would not. of_prediction: seconds of limit analysis."""
+    """Return the message that the second attempt would exceed its time, s; "" if not. of_prediction: seconds of limit analysis."""
     expected = DEARER * _seconds_of_attempt(first["yade"] or {}) * with_yade + of_prediction
     if expected <= seconds:
         return ""
@@ -87,7 +89,7 @@ def _too_long(first: Mapping[str, Any], with_yade: bool, of_prediction: float, s
 
 
 def _what_follows(first: Mapping[str, Any], with_yade: bool, of_yade: float) -> str:
-    """Return the line on a second attempt that begins. of_yade: longest wall time of YADE's run, s."""
+    """Return the line on the start of a second attempt. of_yade: longest wall time of YADE's run, s."""
     words = "both methods run again with finer settings"
     if not with_yade:
         return words
@@ -96,12 +98,12 @@ def _what_follows(first: Mapping[str, Any], with_yade: bool, of_yade: float) -> 
 
 
 def _is_cut_off(first: Mapping[str, Any]) -> bool:
-    """Return whether YADE's first run ended at its time limit: its seconds are then less than a run takes."""
+    """Return whether YADE's first run ended at its time limit; a complete run then takes longer than its seconds."""
     return (first["yade"] or {}).get("status") == "timeout"
 
 
 def refuse_names_of_attempts(scenes: Iterable[Scene], with_yade: bool = False) -> None:
-    """Raise SceneError for a scene that has the name of another one's second attempt: the two would share a folder of results.
+    """Raise SceneError for a scene with the name of another scene's second attempt, because the two would share a folder of results.
 
     with_yade: whether YADE runs; without it, a scene of high effort has no second attempt.
     """
@@ -114,9 +116,9 @@ def refuse_names_of_attempts(scenes: Iterable[Scene], with_yade: bool = False) -
 
 
 def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
-    """Return the keys of the second attempt: finer paths, and in YADE a slower, more damped run with stiffer joints.
+    """Return the scene keys of the second attempt: finer paths, and in YADE a slower, more damped run with stiffer joints.
 
-    run: settings of YADE's first run; empty without one.
+    run: settings of YADE's first run; empty without a run.
     """
     settings = {"effort": "high", "yade.damping_ratio": max(DAMPED, float(scene.yade.get("damping_ratio", 0.0)))}
     names = [name for name in STIFFNESSES if name in scene.yade] or ["stiffening"]
@@ -124,13 +126,13 @@ def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
     if "speed" in scene.yade:
         return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
     periods = float(scene.yade.get("travel_periods", TRAVEL_PERIODS))
-    if scene.accuracy is not None:  # it may have made the first run slower
+    if scene.accuracy is not None:  # the requested accuracy may have made the first run slower
         periods = max(periods, run.get("travel_periods", 0.0))
     return settings | {"yade.travel_periods": SLOWER * periods}
 
 
 def _seconds_of_attempt(yade: Mapping[str, Any]) -> float:
-    """Return the mean seconds of an attempt of YADE's run; 0 where it made none."""
+    """Return the mean seconds of an attempt of YADE's run; 0 without an attempt."""
     return float(yade.get("seconds") or 0.0) / (1 + str(yade.get("message")).count(EARLIER_ATTEMPT))
 
 
@@ -140,7 +142,7 @@ def _prediction_seconds(first: Mapping[str, Any]) -> float:
 
 
 def _first_verdict(first: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the second attempt keeps of the first: its scene, verdict, reason, and the values of both methods."""
+    """Return the data of the first attempt that the second one stores: scene, verdict, reason, and the values of both methods."""
     coulomb, yade = first["limit_analysis"]["coulomb"] or {}, first["yade"] or {}
     shared = coulomb.get("shared_inset") or coulomb
     values = {"coulomb": shared.get("reaction", shared.get("multiplier")), "coulomb_uncertainty": shared.get("uncertainty")}

@@ -1,4 +1,4 @@
-"""One scene from start to end: limit analysis, YADE, comparison, figures; a stage is repeated only when its inputs change."""
+"""One scene from start to end: limit analysis, YADE, comparison, figures. A stage is repeated only if its inputs change."""
 
 import contextlib
 import dataclasses
@@ -30,10 +30,10 @@ from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.scene import Scene
 
-TIME_LIMIT: float = exchange.SETTING_DEFAULTS["time_limit"]  # s of wall time, when neither scene nor command says otherwise
-NAMED = 3  # scenes named in one message
+TIME_LIMIT: float = exchange.SETTING_DEFAULTS["time_limit"]  # s of wall time, if neither scene nor command sets another limit
+NAMED = 3  # largest number of scenes in one message
 MAKES_RESULTS = "`crosscheck run SCENE` makes some, in Python `comparison.run`"
-INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # a YADE that is missing has written no log
+INSTALL_YADE = "See `crosscheck doctor`; then run the scene again."  # it names no log, because a missing YADE has written none
 LIVE_WITHOUT_YADE = (
     "A live load is a matter of limit analysis alone, so YADE was not run."  # version 0.2.0 stored it; YADE runs live loads now
 )
@@ -41,25 +41,25 @@ AFTER_RELEASE = (
     'Rotations are finite ([effects] rotation = "finite"): both methods answer for a motion after which turning blocks have released '
     "the thrusts that friction locked in."
 )
-Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # how to draw each figure of the results, by its name
+Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # returns the function that draws each figure of the results, by name
 
 
 @dataclasses.dataclass(frozen=True)
 class SceneOutcome:
-    """Results of both methods in one call, before the comparison.
+    """Results of both methods before the comparison.
 
     Attributes
     ----------
     results : Results
         Limit analysis and YADE's run.
     yade : dict or None
-        Summary of YADE's run, which says why where there is no run; None where YADE was not requested.
+        Summary of YADE's run, or the reason why there is no run; None if YADE was not requested.
     notes : list of str
         Sentences for the reader of the report.
     inputs : str
         Digest of the inputs of the latest stage.
     first_verdict : dict or None
-        What an earlier attempt with coarser settings came to; None for a first attempt.
+        Verdict and values of an earlier attempt with coarser settings; None for a first attempt.
     """
 
     results: Results
@@ -78,26 +78,26 @@ def run_scene(
     figures: Figures | None = None,
     first_verdict: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """Run a scene through both methods and return the content of comparison.json; every file in the folder is whole or absent.
+    """Run a scene through both methods and return the content of comparison.json; every file in the folder is complete or absent.
 
-    Raises FolderInUseError where another process works in the folder.
+    Raises FolderInUseError if another process works in the folder.
 
     Parameters
     ----------
     scene : Scene or StructuralModel
-        The scene, or its model where it is assembled already.
+        The scene, or its model if it is already assembled.
     folder : Path
-        Folder of the scene's results; made where it does not exist.
+        Folder of the scene's results; created if it does not exist.
     listener : Listener
         Receives the progress.
     with_yade : bool
         Whether YADE runs.
     time_limit : float or None
-        Time limit of a YADE run, s of wall time; None for the scene's own, or TIME_LIMIT.
+        Time limit of a YADE run, s of wall time; None for the limit of the scene, or else TIME_LIMIT.
     figures : callable or None
         Returns the drawing functions by figure name; None for all figures.
     first_verdict : dict or None
-        What an earlier attempt with coarser settings came to; it is stored with the comparison and changes nothing in it.
+        Verdict and values of an earlier attempt with coarser settings; they are stored with the comparison and do not affect it.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     folder.mkdir(parents=True, exist_ok=True)
@@ -111,10 +111,10 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
     """Compare and draw the stored results of a run's folder again, and return the content of comparison.json.
 
     A folder that cannot be written is read without a lock, and nothing is stored there.
-    Raises exchange.ExchangeError where limit analysis is missing, and FolderInUseError where another process works in the folder.
+    Raises exchange.ExchangeError if limit analysis is missing, and FolderInUseError if another process works in the folder.
     folder, listener: as in `run_scene`.
     """
-    if not (folder / "case.h5").is_file():  # a folder of other files is not touched
+    if not (folder / "case.h5").is_file():  # a folder of other files is not changed
         if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
             raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run the scene again")
         inside = sorted(path.parent.name for path in folder.glob("*/case.h5"))
@@ -137,16 +137,16 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
 
 
 def _values(summary: Mapping[str, Any]) -> list[Any]:
-    """Return both methods' values in a comparison, and how they ended: comparisons of the same results have the same."""
+    """Return the values and statuses of both methods in a comparison; they are equal in comparisons of the same results."""
     answers = summary.get("limit_analysis") or {}
     parts = (answers.get("associated"), answers.get("coulomb"), summary.get("yade"))
     return [(part or {}).get(name) for part in parts for name in ("status", "reaction", "multiplier", "steps")]
 
 
 def would_run_slower(folder: Path, time_limit: float | None) -> bool:
-    """Return whether `run_scene` within this time limit would repeat the stored run more slowly, for an accuracy that it missed.
+    """Return whether `run_scene` with this time limit would repeat the stored run more slowly, because it missed the requested accuracy.
 
-    An earlier, smaller limit did not allow it. A folder whose results cannot be read is run again, too.
+    An earlier, smaller limit may not have allowed this run. A scene whose stored results cannot be read is also run again.
     folder, time_limit: as in `run_scene`.
     """
     accuracy = _stored_summary(folder).get("accuracy") or {}
@@ -160,12 +160,12 @@ def would_run_slower(folder: Path, time_limit: float | None) -> bool:
 
 
 def _limit(scene: Scene, time_limit: float | None) -> float:
-    """Return the time limit of a YADE run, s of wall time: the requested one, that of the scene, or TIME_LIMIT."""
+    """Return the time limit of a YADE run, s of wall time: the requested limit, the limit of the scene, or TIME_LIMIT."""
     return time_limit or float(scene.yade.get("time_limit", TIME_LIMIT))
 
 
 def _came_without_yade(previous: dict[str, Any], folder: Path) -> bool:
-    """Return whether a later comparison without YADE set the record in the folder aside, such as that of `crosscheck run --no-yade`."""
+    """Return whether a comparison without YADE, as by `crosscheck run --no-yade`, is newer than the record of YADE in the folder."""
     if "yade" not in previous or previous["yade"] is not None:
         return False
     compared, recorded = ((folder / name).stat().st_mtime for name in ("comparison.json", "run.h5"))
@@ -173,9 +173,9 @@ def _came_without_yade(previous: dict[str, Any], folder: Path) -> bool:
 
 
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
-    """Return the summary of YADE, requested or not, in a folder without its run; one that was stored there is lost.
+    """Return the summary of YADE in a folder without its run: None, the earlier failure, or the message that the stored run is missing.
 
-    A run that has begun leaves its log, and no comparison before its end.
+    A run that was interrupted has left its log, but no comparison.
     """
     if yade is None and (folder / "yade.log").is_file() and not (folder / "comparison.json").exists():
         return without_run("failed", f"{INTERRUPTED_RUN}, so nothing can be compared")
@@ -200,7 +200,7 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
 
 
 def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis | None:
-    """Return the analysis for another run, with effects that this one shows to be needed or with slower settings; None for neither."""
+    """Return the analysis for another run, with restored effects that this run needs or with slower settings; None for neither."""
     scene, analysis = results.scene, results.analysis
     if (whole := restored_effects.restore(results)) is not None:
         effects = whole.assembly.effects
@@ -214,7 +214,7 @@ def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis
 
 
 def _notes(analysis: LimitAnalysis) -> list[str]:
-    """Return what a reader must know of the question that both methods answer."""
+    """Return the notes that a reader needs on the problem that both methods solve."""
     scene, shared = analysis.scene, analysis.assembly.inset
     notes = [AFTER_RELEASE] if analysis.assembly.effects.rotation == "finite" else []
     if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
@@ -224,7 +224,7 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
 
 
 def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
-    """Compare both methods, draw the figures, and write comparison.json last; nothing is done when its inputs are unchanged."""
+    """Compare both methods, draw the figures, and write comparison.json last; nothing is done if the inputs are unchanged."""
     from comparison.figures import report_figures, save  # noqa: PLC0415  `yade_stage` loads these while YADE runs
     from comparison.report import structure_facts, viewer  # noqa: PLC0415
 
@@ -249,7 +249,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
         return summary
     if previous.get("inputs") != inputs:
         (folder / ANIMATION).unlink(missing_ok=True)
-    for name in FIGURES:  # one of an earlier run that these results do not have
+    for name in FIGURES:  # figures of an earlier run, which these results may not have
         (folder / name).unlink(missing_ok=True)
     for path, draw in drawings.items():
         save(draw(), path)
@@ -261,13 +261,13 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 
 
 def _made_by(folder: Path, previous: Mapping[str, Any]) -> dict[str, str]:
-    """Return versions and machine of the limit analysis in a folder; empty where neither its file nor the earlier comparison says it."""
+    """Return versions and machine of the limit analysis in a folder; empty if neither its file nor the earlier comparison has them."""
     stored = exchange.made_by(folder / "case.h5")
     return {name: words for name, words in stored.items() if name != exchange.MADE_AT} or previous.get("provenance") or {}
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:
-    """Return the checks of a run; without one, those that say why nothing was compared."""
+    """Return the checks of a run; without a run, the checks with the reason why nothing was compared."""
     results = outcome.results
     if results.run is not None:
         return check_run(results)
@@ -279,7 +279,7 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:
-    """Return the content of comparison.json, or an empty dict where it is missing or was changed since this program wrote it."""
+    """Return the content of comparison.json, or an empty dict if it is missing or was changed after this program wrote it."""
     try:
         stored = json.loads(read_text(folder / "comparison.json"))
     except (OSError, ValueError, RecursionError):
@@ -288,7 +288,7 @@ def _stored_summary(folder: Path) -> dict[str, Any]:
 
 
 def _digests(paths: Iterable[Path]) -> dict[str, str]:
-    """Return the digest of each file by its name; "" for one that cannot be read."""
+    """Return the digest of each file by its name; "" for a missing file."""
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "" for path in paths}
 
 

@@ -1,4 +1,4 @@
-"""Restore effects that the program left out and that YADE's run shows to be needed."""
+"""Restore effects that the program left out although YADE's run shows that they are needed."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -11,10 +11,10 @@ from la_core.limit import Status
 
 
 def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
-    """Return choice and reason by effect, for each effect that the scene leaves to "auto" and that the run shows to be needed.
+    """Return choice and reason by effect, for each needed effect that the scene sets to "auto".
 
-    Without a plateau, only the displacements are judged. Nothing is restored where the scene sets rigid joints, or where the structure
-    is proven to fall.
+    The run shows which effects are needed. Without a plateau, only its displacements are checked. Nothing is restored if the scene sets
+    rigid joints, or if the structure is proven to fall.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if scene.effects.elasticity == "none" or analysis.bounds[analysis.main].status is Status.INFEASIBLE:
@@ -33,17 +33,17 @@ def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
 
 
 def restore(results: Results) -> LimitAnalysis | None:
-    """Return limit analysis with the effects that were left out and that YADE's run shows to be needed; None where it shows no such effect.
+    """Return limit analysis with the effects that were left out although YADE's run shows that they are needed; None without any.
 
-    This is the only function that repeats limit analysis after a run. It adds what is missing in the model and changes nothing else: not
-    the way the prediction is made, and no effect that was modelled or that the scene itself chose. The interfaces are used again.
+    This is the only function that repeats limit analysis after a run. It adds the missing effects to the model and changes nothing else:
+    neither the method of the prediction, nor an effect that was modelled or that the scene chose. The interfaces are used again.
     """
     missing = needed(results)
     return _analyse_with(results.analysis, _restored(results.analysis) | missing) if missing else None
 
 
 def _restored(analysis: LimitAnalysis) -> dict[str, tuple[bool | str, str]]:
-    """Return choice and reason by effect, for the effects that were restored in an analysis."""
+    """Return choice and reason by effect, for the restored effects of an analysis."""
     effects = analysis.assembly.effects
     return {effect: (getattr(effects, effect), effects.reasons[effect]) for effect in effects.called_back}
 

@@ -1,4 +1,4 @@
-"""The stored stage of YADE, and what it shares with that of limit analysis; a stage whose inputs did not change is not run again."""
+"""The stored stage of YADE, and digests for all stages. A stage with unchanged inputs is not run again."""
 
 import contextlib
 import dataclasses
@@ -21,9 +21,9 @@ from la_core import exchange
 from la_core.analysis import LimitAnalysis, case_file
 from la_core.digests import code_digest
 
-REPEATED = ("timeout", "failed")  # outcomes that depend on the machine, not the scene: the next call tries again
+REPEATED = ("timeout", "failed")  # statuses that depend on the machine, not on the scene: the next call runs YADE again
 YADE_CODE = (ROOT / "yade_scripts",)
-COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the command line, studies and campaigns only use it
+COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; command line, studies and campaigns only read these
     ROOT / "comparison" / name
     for name in (
         *("limit_analysis.py", "numbers.py", "provenance.py", "run_folder.py", "settings.py"),
@@ -33,14 +33,14 @@ COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the
 
 
 def stage_digest(made_of: str, code: tuple[Path, ...]) -> str:
-    """Return the digest of a stage's inputs: its data as text, and the files or folders of the code that makes it."""
+    """Return the digest of a stage's inputs: its data as text, and the files or folders of its code."""
     return hashlib.sha256((made_of + code_digest(*code)).encode()).hexdigest()
 
 
 def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
-    """Store the analysis for YADE's next run, and delete the run of the earlier one; nothing where both are the same object.
+    """Store the analysis for YADE's next run, and delete the earlier run; nothing is done if both analyses are the same object.
 
-    The file also keeps what limit analysis said before the first effect was restored.
+    The file also keeps the answer of limit analysis from before the first effect was restored.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
 def yade_stage(
     analysis: LimitAnalysis, inputs: str, folder: Path, listener: Listener, time_limit: float
 ) -> tuple[Run | None, dict[str, Any]]:
-    """Return YADE's run, stored or new, and its summary; the run is None when YADE is missing or failed.
+    """Return YADE's run, stored or new, and its summary; the run is None if YADE is missing or failed.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def yade_stage(
             of_scene = {"unit": scene.settlement_unit, "quantity": scene.quantity, "is_second_attempt": is_second_attempt(scene)}
             listener.progress(scene.name, report | of_scene)
 
-        (folder / "comparison.json").unlink(missing_ok=True)  # of earlier results, or of limit analysis alone
+        (folder / "comparison.json").unlink(missing_ok=True)  # it is of earlier results, or of limit analysis alone
         run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
@@ -120,7 +120,7 @@ def yade_stage(
 
 
 def _stored_run(analysis: LimitAnalysis, inputs: str, path: Path, listener: Listener) -> Run | None:
-    """Return the stored run of these inputs; None without one, where it cannot be read, and where the next try may end otherwise."""
+    """Return the stored run of these inputs; None if there is none, if it cannot be read, or if another try may end differently."""
     if exchange.inputs_digest(path) != inputs:
         return None
     try:
@@ -132,10 +132,10 @@ def _stored_run(analysis: LimitAnalysis, inputs: str, path: Path, listener: List
 
 
 def _load_drawing() -> None:
-    """Load what draws and reports in a thread: it takes about as long as YADE takes to start."""
+    """Load the modules for figures and reports in a thread, which takes about as long as the start of YADE."""
 
     def load() -> None:
-        with contextlib.suppress(Exception):  # the comparison loads it again, and says what is wrong
+        with contextlib.suppress(Exception):  # the comparison loads the modules again and reports the error
             importlib.import_module("comparison.report")
 
     threading.Thread(target=load, daemon=True).start()

@@ -1,7 +1,7 @@
-"""Worker processes on this machine, of one thread each. Each talks to this process over its own pipe; no network port is open.
+"""Worker processes on this machine, with one thread each. Each has its own pipe to this process; no network port is open.
 
-Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. They load this program alone, not
-the script that calls it. When a worker dies, its pipe ends; a new worker then repeats its work.
+Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. Workers load only this program, not
+the script that calls it. When a worker dies, its pipe ends, and a new worker repeats its work.
 """
 
 import contextlib
@@ -20,11 +20,11 @@ from typing import Any, Generic, Self, TypeVar
 
 from comparison.errors import WorkerLostError
 
-ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because other processes used up the memory
+ATTEMPTS = 3  # largest number of workers for one piece of work: the system may kill a worker if other processes use up the memory
 GRACE = 3.0  # s for a worker to end YADE and finish its files
-AGAIN = 0.01  # s until a worker whose stop Python dropped is stopped once more
+AGAIN = 0.01  # s until a worker is stopped again after Python has dropped the first stop
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-NOT_FROM_HERE = {"PYTHONSAFEPATH": "1"}  # else a starting worker loads a signal.py of the current folder, which may come from anybody
+NOT_FROM_HERE = {"PYTHONSAFEPATH": "1"}  # otherwise a new worker would load an unknown signal.py from the current folder
 _CONTEXT = multiprocessing.get_context("spawn")
 
 Work = TypeVar("Work")
@@ -32,18 +32,18 @@ Made = TypeVar("Made")
 
 
 class StoppedError(BaseException):
-    """The process that gave the work has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
+    """The parent process has ended. This is no failure, so the class is no Exception, and handlers of failures do not catch it."""
 
 
 class WorkerProcesses(Generic[Work, Made]):
-    """Processes that call a function, each for one piece of work at a time; leaving the context ends all of them at once.
+    """Processes that call a function, each for one piece of work at a time; all of them end when the context is left.
 
     Parameters
     ----------
     function : callable
-        Makes a result of a piece of work. It is called in a worker, so it, the work and the result are pickled.
+        Returns the result of a piece of work. It is called in a worker, so function, work and result are pickled.
     capacity : int
-        Number of pieces of work at a time.
+        Largest number of pieces of work at a time.
     """
 
     def __init__(self, function: Callable[[Work], Made], capacity: int) -> None:
@@ -62,14 +62,14 @@ class WorkerProcesses(Generic[Work, Made]):
         try:
             for worker in workers:
                 worker.process.join(max(0.0, deadline - time.monotonic()))
-        finally:  # a second Ctrl-C waits no longer
+        finally:  # a second Ctrl-C ends the wait
             for worker in workers:
                 worker.process.kill()  # YADE ends with it
                 worker.process.join()
 
     @property
     def is_busy(self) -> bool:
-        """Whether as many pieces of work are under way as may be."""
+        """Whether the number of pieces of work under way has reached the capacity."""
         return len(self._busy) >= self.capacity
 
     def begin(self, work: Work) -> None:
@@ -79,10 +79,10 @@ class WorkerProcesses(Generic[Work, Made]):
         worker.begin(work, 1)
 
     def ended(self, seconds: float | None = None) -> list[tuple[Work, Made | Exception]]:
-        """Return pieces of work that ended, with their results; waits for the first one, at most `seconds` where they are given.
+        """Return pieces of work that ended, with their results; waits for the first of them, at most `seconds` if these are given.
 
-        An error that the function raised is its result, and so is WorkerLostError where ATTEMPTS workers died with the same work.
-        Without work under way it returns at once.
+        An error that the function raised is its result. WorkerLostError is the result if ATTEMPTS workers died with the same work. Without
+        work under way the method returns at once.
         """
         results: list[tuple[Work, Made | Exception]] = []
         ready = wait([worker.pipe for worker in self._busy], seconds) if self._busy else []
@@ -105,7 +105,7 @@ class WorkerProcesses(Generic[Work, Made]):
 
 
 class _Worker:
-    """A worker process, its pipe, and the work it has."""
+    """A worker process, its pipe, and its present work."""
 
     def __init__(self, function: Callable[[Any], Any]) -> None:
         self.pipe, theirs = _CONTEXT.Pipe()
@@ -124,7 +124,7 @@ class _Worker:
 
 @contextlib.contextmanager
 def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """Add variables to the environment of processes started here; libraries read them when they are loaded."""
+    """Add variables to the environment of processes started here; libraries read them while they load."""
     before = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
@@ -139,8 +139,8 @@ def _environment(variables: dict[str, str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interruptions_held() -> Iterator[None]:
-    """Block Ctrl-C in processes started here: only this process handles it, and ends its workers."""
-    resource_tracker.ensure_running()  # Python starts it with the first worker, and unblocks Ctrl-C when it has
+    """Block Ctrl-C in processes started here: only this process handles it and ends its workers."""
+    resource_tracker.ensure_running()  # otherwise Python starts it with the first worker and then unblocks Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -150,8 +150,8 @@ def _interruptions_held() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _stop_held() -> Iterator[None]:
-    """Keep SIGTERM until a worker has started: one that gets half of what it needs to start ends with a traceback."""
-    if threading.current_thread() is not threading.main_thread():  # which no handler interrupts, and which sets none
+    """Hold SIGTERM back until a worker has started: a worker with incomplete start data would end with a traceback."""
+    if threading.current_thread() is not threading.main_thread():  # handlers neither interrupt another thread nor can be set there
         yield
         return
     came: list[int] = []
@@ -166,7 +166,7 @@ def _stop_held() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _broken_pipe_held() -> Iterator[None]:
-    """Keep a worker that died from ending this process by SIGPIPE, which a pipe of the shell that nobody reads must still do."""
+    """Ignore SIGPIPE from the pipe of a dead worker; SIGPIPE from a closed pipe of the shell must still end this process."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
     try:
         yield
@@ -178,7 +178,7 @@ def _broken_pipe_held() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _script_hidden() -> Iterator[None]:
-    """Hide the user's script from processes started here: they would run it again, or look for a file named <stdin>."""
+    """Hide the user's script from processes started here, because they would run it again, or look for a file named <stdin>."""
     main = vars(sys.modules["__main__"])
     before: dict[str, Any] = {name: main[name] for name in ("__file__", "__spec__") if name in main}
     main.pop("__file__", None)
@@ -191,7 +191,7 @@ def _script_hidden() -> Iterator[None]:
 
 
 def _next_step(code: int | None) -> str:
-    """What to do where a worker process ended with a code, below 0 by a signal; Python prints an error before it ends with 1."""
+    """Return the next step after the exit code of a worker; a negative code is a signal, and with 1 Python has printed an error."""
     message, again = "its own message on standard error says why", "run the same command again, with fewer --workers where memory ran out"
     return message if code == 1 else again if code is not None and code < 0 else f"{message}; {again}"
 
@@ -209,11 +209,11 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
     def stop(number: int, frame: FrameType | None) -> None:
         if not is_working:
             os._exit(0)
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # one stop is enough: a second one must not interrupt the cleaning up
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # a second stop must not interrupt the clean-up
         raise StoppedError
 
     def dropped(error: "sys.UnraisableHookArgs") -> None:
-        if error.exc_type is StoppedError:  # Python drops what is raised while it destroys an object: the stop comes once more
+        if error.exc_type is StoppedError:  # Python drops an exception raised while it destroys an object, so the stop is repeated
             signal.signal(signal.SIGTERM, stop)
             threading.Timer(AGAIN, os.kill, (os.getpid(), signal.SIGTERM)).start()
         else:
@@ -228,7 +228,7 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
             is_working = True
             try:
                 made = function(work)
-            except Exception as error:  # whoever gave the work decides what it means
+            except Exception as error:  # the caller decides what the error means
                 made = error
             packed = _packed(made)
             is_working = False
@@ -236,7 +236,7 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
 
 
 def _packed(made: Any) -> bytes:
-    """Pickle a result; one that cannot be pickled, or an error that cannot be read again, becomes a RuntimeError with its words."""
+    """Pickle a result; a result that cannot be pickled, or an error that cannot be unpickled, becomes a RuntimeError with its message."""
     try:
         packed = pickle.dumps(made)
         if isinstance(made, Exception):
@@ -248,7 +248,7 @@ def _packed(made: Any) -> bytes:
 
 
 def _end_with_parent() -> None:
-    """End this process when the one that started it ends, for whatever reason."""
+    """End this process when the process that started it ends, for any reason."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
