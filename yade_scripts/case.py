@@ -34,7 +34,7 @@ class Case:
     displacement : str
         "small": only the listed contacts exist; "finite": YADE also looks for new ones.
     recording : str
-        Stored states: "plateau" for those at rest and on the plateau, "states" for all.
+        Stored states: "plateau" for those at rest, on the plateau and at the end, "states" for all.
     inset : float
         Inset of the contact points, m.
     own_inset : np.ndarray
@@ -187,7 +187,7 @@ class Case:
 
     @cached_property
     def leader(self) -> int:
-        """Support whose motion measures the settlement: the support with the largest rotation if that is an angle, else displacement."""
+        """Support whose motion measures the settlement: with the largest rotation if this is an angle, else the largest displacement."""
         twists = self.support_twists[self.supports]
         moved = twists[:, 3:] if self.is_rotation else twists[:, :3] + np.cross(twists[:, 3:], self.centroid[self.supports])
         return int(self.supports[np.linalg.norm(moved, axis=1).argmax()])

@@ -18,7 +18,7 @@ MANY = 100  # free blocks: among so many, slow motion prevents a jump better tha
 def settlement_words(case: Case, settlement: float, start: float | None = None) -> str:
     """Return a settlement with its unit, for the reason why a run ended; under a live load it is called a displacement.
 
-    settlement: m, or rad for a support that turns; start: begin of a range that ends at the settlement.
+    settlement: m, or rad for a support that turns; start: beginning of a range that ends at the settlement.
     """
     motion, since = "settlement" if case.live is None else "displacement", "" if start is None else f"{start:.3g} to "
     return f"a {motion} of {since}{settlement:.3g} {'rad' if case.is_rotation else 'm'}"

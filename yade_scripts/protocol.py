@@ -96,7 +96,7 @@ class Protocol:
 
     @property
     def outcome(self) -> Outcome:
-        """Reaction of the plateau with the parts of its uncertainty; NaN where there is no plateau."""
+        """Reaction of the plateau with the parts of its uncertainty; NaN without a plateau."""
         return self.search.outcome
 
     def run(self) -> None:

@@ -20,7 +20,7 @@ LIGHT = 20.0
 
 
 class Status(Enum):
-    """How a run ended, as stored in `run.h5`."""
+    """Status at the end of a run, as stored in `run.h5`."""
 
     PLATEAU = "plateau"
     NO_PLATEAU = "no plateau"

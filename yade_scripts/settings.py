@@ -215,7 +215,7 @@ def sway_over_sag(case: Case) -> float:
 
 
 def slowness(case: Case) -> float:
-    """Return the factor by which a run takes longer for its sideways swing; more than 1 for slender structures."""
+    """Return the factor by which the sideways swing makes a run longer; more than 1 for slender structures."""
     return max(1.0, SWAY_SHARE * sway_over_sag(case))
 
 

@@ -132,7 +132,7 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
     name : str
         Name of the check.
     bounds : tuple of float
-        Lower and upper bound from limit analysis, in `unit`; the upper one may be infinite.
+        Lower and upper bound from limit analysis, in `unit`; either may be infinite.
     observed : float
         Value of YADE, in `unit`.
     tolerance : float

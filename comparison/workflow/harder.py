@@ -78,7 +78,7 @@ def _why_finest(scene: Scene, with_yade: bool) -> str:
 
 
 def _too_long(first: Mapping[str, Any], with_yade: bool, of_prediction: float, seconds: float) -> str:
-    """Return the message that the second attempt would exceed its time, s; "" if not. of_prediction: seconds of limit analysis."""
+    """Return the message that the second attempt would take too long; "" if it would not. of_prediction: seconds of limit analysis."""
     expected = DEARER * _seconds_of_attempt(first["yade"] or {}) * with_yade + of_prediction
     if expected <= seconds:
         return ""

@@ -35,7 +35,7 @@ def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[n
 
 
 def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Return the block (C,) that carries the sphere of each contact point; the other block offers its face.
+    """Return the block (C,) that carries the sphere of each contact point; the other block has the face in contact.
 
     A box is preferred for the face, because it is YADE's exact and cheapest body. Otherwise the face belongs to the block in which the
     point lies farther from the edges, so that the sphere does not slip off it.

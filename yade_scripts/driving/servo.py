@@ -101,7 +101,7 @@ class Servo:
         self._places, self._window_began = places, elapsed
 
     def loading_time(self, multiplier: float = LARGEST_MULTIPLIER) -> float:
-        """Return the time to a multiplier while the blocks stand, s."""
+        """Return the time in which the multiplier grows to this value while the blocks stand still, s."""
         return multiplier / (self.spring * self.speed)
 
     def start(self, blocks: LoadedBlocks) -> None:

@@ -32,7 +32,7 @@ COVERAGE = 1.96  # standard deviations of a sum of random errors that cover the 
 
 @dataclass(frozen=True)
 class EnergyAudit:
-    """Energies of the settlement stage, from rest under gravity to the last stored state; all NaN where no state was stored.
+    """Energies of the settlement stage up to the last stored state, from the start that `audit` gives; all NaN without a balance.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class EnergyAudit:
 
 
 def audit(assembly: Assembly, run: Run) -> EnergyAudit:
-    """Return the energy balance of a run; all NaN if no state at rest was recorded.
+    """Return the energy balance of a run; all NaN with fewer than two stored states, or without a recorded row at rest.
 
     assembly: the assembly of the run. The balance starts at rest, or at the first state of the plateau if only the states of the plateau
     were stored.

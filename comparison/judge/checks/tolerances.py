@@ -19,7 +19,7 @@ FLOOR = 5e-3
 # Of the reaction: with a larger uncertainty of a method only the floor counts. It is twice the floor, so that the floor still matters.
 UNCERTAIN = exchange.UNCERTAIN
 MOST_UNCERTAIN = 0.05  # of the reaction: a value with a larger uncertainty agrees with no other value, not even with a close one
-LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
+LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor for a reaction of zero; it is UNCERTAIN times 1 % of the weight
 UNBALANCED = exchange.UNBALANCED  # of the mean block weight: inertia and damping of a quasi-static run
 
 
