@@ -30,7 +30,7 @@ ANSWER = "as column unit says"  # N, N m or a pure number, depending on the scen
 BEFORE_KEYS = {
     "case": Column("", "name of the case, unique in the campaign"),
     "sweep": Column(
-        "", "name of the case's sweep; without a name of its own, that of its scene, after its folder where two scenes have one name"
+        "", "name of the case's sweep; by default the name of its scene, after its folder's name where two scenes have one name"
     ),
     "scene": Column("", "original scene of the case"),
 }
@@ -52,11 +52,11 @@ AFTER_KEYS = {
     "coulomb": Column(ANSWER, "Coulomb prediction at that inset", "number"),
     "coulomb_uncertainty": Column(ANSWER, "uncertainty that the Coulomb prediction states", "number"),
     "coulomb_released": Column(ANSWER, "Coulomb prediction after turning blocks have released thrusts; empty where unknown", "number"),
-    "coulomb_released_uncertainty": Column(ANSWER, "uncertainty that it states", "number"),
+    "coulomb_released_uncertainty": Column(ANSWER, "uncertainty of coulomb_released", "number"),
     "coulomb_peak": Column(
-        "", "greatest multiplier on the way to the plateau of the prediction; empty where it does not rise above", "number"
+        "", "greatest multiplier on the way to the plateau of the prediction; empty where it does not exceed the plateau", "number"
     ),
-    "coulomb_peak_uncertainty": Column("", "uncertainty that it states", "number"),
+    "coulomb_peak_uncertainty": Column("", "uncertainty of coulomb_peak", "number"),
     "coulomb_plateaus": Column("", "number of plateaus on which the paths of the prediction end", "count"),
     "coulomb_low": Column(ANSWER, "least value that the mechanism of the prediction allows", "number"),
     "coulomb_high": Column(ANSWER, "greatest value that the mechanism of the prediction allows", "number"),

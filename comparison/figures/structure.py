@@ -275,7 +275,7 @@ def _arrow_key(label: str, colour: str) -> Line2D:
 
 def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     """Return the scale of the drawn displacements as a sentence; a travel of 0, m or rad, is unknown."""
-    free = "shape of the mechanism, whose size is free: drawn with "
+    free = "shape of the mechanism; its size is arbitrary: drawn with "
     if assembly.has_live_load or not np.any(assembly.support_twist):
         return f"{free}a largest displacement of {plain_number(DRAWN * structure_size(assembly.blocks), 3)} m"
     motion, unit = ("rotation", "mrad") if assembly.is_rotation else ("motion", "mm")

@@ -131,7 +131,7 @@ ENERGY_NOTE = (
     "The turnover is the sum of the work on each block, of weight and live load together, and of the support's work, all without their "
     "signs. Where weight and live load oppose each other, each of them may do more work than this. The forces between two "
     "stored states are taken as their mean. The error of this mean is work that is not accounted for, and may make a small dissipation "
-    "negative. Where less is turned over than the work of 1 % of the weight over the settlement, the check takes its shares of this work."
+    "negative. Where the turnover is less than the work of 1 % of the weight over the settlement, the check takes its shares of this work."
 )
 
 GROUND_NOTE = (
@@ -145,7 +145,7 @@ TILT_NOTE = (
 JOINTS_NOTE = (
     "The joints that move most come first. Opening and slip are the largest of the joint's contact points, and the rotation is that of its "
     "blocks against each other, all per unit motion of the support; under a live load or a tilt per unit of the mean displacement along "
-    "it. Friction used is the shear over the most that friction bears under the normal force; its inverse is the safety against sliding. "
+    "it. Friction used is the shear over its limit, friction coefficient times normal force; its inverse is the safety against sliding. "
     "A joint that turns in its own plane slides although it uses less than 1, because its shear forces cancel each other in part. "
     "The eccentricity of the centre of pressure is 0 in the middle of the joint, 0.333 at the end of the middle third, and 1 at the edge: "
     "there a joint that opens turns as a hinge."

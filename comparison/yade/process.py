@@ -72,7 +72,9 @@ def run_yade(
     except OSError as error:  # an error in writing the log does not name its file
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code is None:
-        raise YadeFailedError(f"YADE did not load within {LOADING:g} s, {STARTS} times; run the same command again, with less beside it")
+        raise YadeFailedError(
+            f"YADE did not load within {LOADING:g} s, {STARTS} times; run the same command again while fewer other programs run"
+        )
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
         reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")

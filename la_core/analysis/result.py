@@ -108,7 +108,7 @@ class Answers(Held):
 
     @property
     def is_without_bound(self) -> bool:
-        """Whether only the prediction has a value: blocks that dilate lock, and without dilatancy they move."""
+        """Whether only the prediction has a value: dilatancy locks the blocks, and without it they move."""
         locks = self.bounds[self.main].status is Status.UNBOUNDED
         return locks and self.coulomb is not None and self.coulomb.status is Status.SOLVED
 

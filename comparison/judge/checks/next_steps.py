@@ -26,7 +26,7 @@ SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in th
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thrust: set [effects] rotation = "finite". If not: {BOTH_FINER}'
 AFTER_RELEASE = 'Set [effects] rotation = "finite": both methods then answer for the motion after the release.'
-BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
+BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for histories that end in its mechanism."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
 SMALLER_PART = "Model the part near the support alone: the least tolerance is a share of the weight of the free blocks."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
@@ -52,8 +52,8 @@ OTHER_THRUST = (
 )
 NO_THRUST = (
     "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Where weights "
-    "or dead loads carry off what the live load has moved, the structure bears less and less: work with the bound, if there is one; "
-    "no load passes it."
+    "or dead loads move the blocks on after the live load has displaced them, the resistance keeps falling: work with the bound, if there "
+    "is one; no load exceeds it."
 )
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
