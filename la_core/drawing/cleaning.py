@@ -1,4 +1,4 @@
-"""Outlines made fit for blocks: enclosed by lines, without doubles, simplified within a tolerance."""
+"""Outlines of blocks from a drawing: lines that enclose outlines are found, doubles are dropped, and outlines are simplified."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -25,35 +25,35 @@ from la_core.drawing.outlines import (
 )
 from la_core.text_table import place_text
 
-SNAP = 1e-4  # m: least error of coordinates of lines that are meant to meet, whatever the tolerance
-DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
-MOST_PAIRS = 1_000_000  # of outlines that lie upon each other: 50,000 blocks side by side touch each other in a quarter of it
-AT_A_TIME = 200  # outlines whose pairs are counted, so that they need little memory
-MOST_CUT = 1.1  # of the tolerance times the length of a hull: the area of dents within the tolerance, with a margin
-ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
-FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: outlines of its layer and colour fill it so far, or those of all layers
+SNAP = 1e-4  # m: ends of lines this close to each other meet, also where the tolerance is smaller
+DOUBLE = 0.8  # of the area of each: two outlines that share this much are one outline drawn twice
+MOST_PAIRS = 1_000_000  # pairs of outlines whose bounding boxes meet; 50,000 blocks side by side have a quarter of this number
+AT_A_TIME = 200  # outlines whose pairs are counted together, to save memory
+MOST_CUT = 1.1  # over the tolerance times the perimeter of the hull: largest area of dents within the tolerance, with a margin
+ALIKE = 1e-3  # relative difference up to which two areas count as equal
+FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: least share filled by outlines of its layer and colour, or of all layers
 BUILT = ("blocks", "ground", "support")  # lists of layers whose outlines become blocks
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
 @dataclass(frozen=True)
 class Cleaned:
-    """Outlines that may become blocks, and what was left out.
+    """Outlines that may become blocks, and a record of the outlines and lines left out.
 
     Attributes
     ----------
     outlines : tuple of Outline
         The outlines, from below to above and from left to right.
     doubles : int
-        Outlines that were drawn twice and are dropped.
+        Number of outlines dropped because they are drawn twice.
     specks : int
-        Outlines without area that are dropped.
+        Number of outlines dropped because they have no area or are thinner than the tolerance.
     loose : int
-        Lines that enclose nothing, or are edges of outlines drawn again.
+        Number of lines that enclose nothing, or are edges of outlines drawn again.
     open_outlines : tuple of OpenOutline
-        Those of the loose lines that were meant to be outlines.
+        Loose lines that were meant as outlines.
     straightened : int
-        Outlines that were convex but for the tolerance, and are convex now.
+        Number of outlines that were convex within the tolerance and were made exactly convex.
     around : tuple of LayerCount
         Outlines around others, which are left out.
     across : tuple of LayerCount
@@ -63,7 +63,7 @@ class Cleaned:
     rests : tuple of (str, (n, 2) array)
         Parts of other lines that bound nothing, each with its layer.
     edges : tuple of LayerCount
-        Those of the idle lines that may be edges of stones: both their ends meet other lines, or nearly do.
+        Idle lines that may be edges of stones: both ends meet other lines or outlines, or nearly meet them.
     areas : tuple of LayerCount
         Areas without an outline that lines and outlines enclose together.
     shared : tuple of SharedAreas
@@ -85,7 +85,7 @@ class Cleaned:
     shared: tuple[SharedAreas, ...] = ()
 
     def stray(self, blocks: Sequence[Outline]) -> tuple[LayerCount, ...]:
-        """Those of the idle lines, and of the rests of other lines, that lie in blocks, by layer."""
+        """Count by layer the idle lines, and the rests of other lines, that lie in blocks."""
         rings = [block.points for block in blocks]
         inside = [*within([line for _, line in self.idle], rings), *ends_within([rest for _, rest in self.rests], rings)]
         return by_layer(one for one, is_inside in zip((*self.idle, *self.rests), inside, strict=True) if is_inside)
@@ -101,12 +101,13 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     tolerance : float
         Largest error of the coordinates, m; 0 for none.
     list_of : callable
-        Name of the list that a layer with a colour belongs to: outlines in "blocks" alone may be contours, and those in "ignore" fill none.
+        Name of the list of a layer and colour. Only outlines in "blocks" may be contours; outlines in "ignore" fill no contour.
 
     Raises
     ------
     ValueError
-        Nothing has a height, an outline crosses itself, more than MOST_PAIRS pairs of outlines overlap, or lines cross too often.
+        The drawing has no width or height, an outline crosses itself, more than MOST_PAIRS pairs of outlines overlap, or lines cross too
+        often.
     """
     curves = Curves(drawn.curves, drawn.sagitta)
     found = _found(drawn, max(SNAP, tolerance), curves)
@@ -131,7 +132,7 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
     rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), curves)
-    if tolerance > 0.0:  # chords through corners of neighbours may have left dents within it
+    if tolerance > 0.0:  # chords through corners of neighbours may have left dents within the tolerance
         rings = [
             shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
         ]
@@ -146,13 +147,13 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
 
 
 def _found(drawn: Drawn, snap: float, curves: Curves) -> Found:
-    """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
+    """Find the outlines that are drawn closed, that lines of one layer and colour enclose, or that lines of other layers divide."""
     found = Found([end_met(outline, snap) for outline in drawn.outlines], {}, [], [], [], [])
     for (layer, colour), of_layer in drawn.lines.items():
         every = of_layer
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
         again = retraced(every, [found.outlines[k].points for k in here], 2.0 * snap)
-        if again.any():  # edges of a stone that is drawn by lines run along its neighbours, too
+        if again.any():  # edges of a stone drawn as lines run along its neighbours, too
             stones = of_own_lines(every, snap, curves, [outline.points for outline in found.outlines])
             found.outlines += [Outline(stone, layer, colour) for stone in stones]
             again &= ~(own := retraced(every, stones, 2.0 * snap))
@@ -174,7 +175,7 @@ def _found(drawn: Drawn, snap: float, curves: Curves) -> Found:
 
 
 def _with_lines_of_other_layers(found: Found, snap: float, curves: Curves) -> Found:
-    """Divide outlines by lines that bound nothing on their own layer: head joints and bed joints often have a layer each."""
+    """Divide outlines by lines that bound nothing on their own layer, because head joints and bed joints often have a layer each."""
     lines = [(place, line) for place, some in found.idle.items() for line in some]
     which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap + curves.sagitta)
     used: set[int] = set()
@@ -192,9 +193,9 @@ def _with_lines_of_other_layers(found: Found, snap: float, curves: Curves) -> Fo
 
 
 def _with_area(outlines: Sequence[Outline], tolerance: float) -> tuple[list[Outline], np.ndarray, int]:
-    """The outlines but for those that run to and fro without an area, their simplified polygons, and the number of those left out.
+    """Leave out outlines that run to and fro without an area. Return the others, their simplified polygons, and the number left out.
 
-    Raises ValueError for another outline that crosses itself.
+    Raises ValueError for any other outline that crosses itself.
     """
     if not outlines:
         return [], np.zeros(0, dtype=object), 0
@@ -210,14 +211,14 @@ def _with_area(outlines: Sequence[Outline], tolerance: float) -> tuple[list[Outl
 
 
 def _speck_area(area: np.ndarray, tolerance: float) -> float:
-    """Area up to which an outline is a slip of the pen, m2, from those of all outlines."""
+    """Largest area of a slip of the pen, m2, from the areas (n,) of all outlines, m2, and the tolerance, m."""
     return max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:
-    """A simple profile (n, 2), m, simplified within the tolerance (m), and convex where only dents within it made it not so."""
+    """A profile (n, 2), m, simplified within the tolerance (m), and made convex if its dents are no deeper than the tolerance."""
     outline = shapely.Polygon(profile)
-    if tolerance == 0.0 or not outline.is_valid or not outline.area > 0.0:  # which is refused where the block is made
+    if tolerance == 0.0 or not outline.is_valid or not outline.area > 0.0:  # an invalid profile is refused later
         return [(float(x), float(z)) for x, z in profile]
     polygons, _ = _without_dents(_simplified(np.array([outline]), tolerance), tolerance)
     corners = shapely.get_coordinates(polygons[0])[:-1]
@@ -229,20 +230,20 @@ def _simplified(polygons: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def _without_dents(polygons: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """The polygons, convex where their dents are no deeper than the tolerance (m), and the mask of those that were made so."""
+    """Make polygons convex whose dents are no deeper than the tolerance (m). Return all polygons, and the mask of the changed ones."""
     hull = shapely.convex_hull(polygons)
     cut = shapely.area(hull) - shapely.area(polygons)
-    straight = (cut > 0.0) & (cut <= MOST_CUT * tolerance * shapely.length(hull))  # deeper dents cut off more; what follows takes n^2
+    straight = (cut > 0.0) & (cut <= MOST_CUT * tolerance * shapely.length(hull))  # deeper dents have more area; the next test costs n^2
     dent = shapely.hausdorff_distance(shapely.boundary(hull[straight]), shapely.boundary(polygons[straight]), densify=0.25)
     straight[straight] = (dent > 0.0) & (dent <= tolerance)
     return np.where(straight, hull, polygons), straight
 
 
 def _refuse_a_heap(polygons: np.ndarray) -> None:
-    """Raise ValueError for outlines of which far too many lie upon each other, before that costs minutes."""
+    """Raise ValueError where far too many outlines lie upon each other, because their comparison would take minutes."""
     tree, pairs = shapely.STRtree(polygons), 0.0
     for start in range(0, len(polygons), AT_A_TIME):
-        pairs += tree.query(polygons[start : start + AT_A_TIME]).shape[1] / 2.0  # it finds each pair from both its sides
+        pairs += tree.query(polygons[start : start + AT_A_TIME]).shape[1] / 2.0  # the tree finds each pair twice
         if pairs > MOST_PAIRS:
             raise ValueError(
                 f"its {len(polygons)} outlines lie upon each other, in more than {MOST_PAIRS:,} pairs; "
@@ -266,7 +267,7 @@ def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
 
 
 def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.ndarray) -> np.ndarray:
-    """Mask of the polygons that two or more others fill for the most part: contours drawn around blocks."""
+    """Mask of the contours drawn around blocks: polygons that two or more other polygons fill for the most part."""
     area = shapely.area(polygons)
     inner, outer = shapely.STRtree(polygons).query(polygons, predicate="intersects")
     smaller = (area[inner] < area[outer]) & ~left_out[inner] & ~left_out[outer]
@@ -279,9 +280,9 @@ def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.nd
         held.setdefault(k, []).append(j)
         holders.setdefault(j, set()).add(k)
     mask = np.zeros(len(area), dtype=bool)
-    for k in sorted(held, key=lambda k: float(area[k])):  # the smallest first, because what lies in a contour counts for those around it
+    for k in sorted(held, key=lambda k: float(area[k])):  # the smallest first: a contour is no stone in a larger one, but its stones are
         stones = {j for j in held[k] if not mask[j]}
-        some = [j for j in stones if stones.isdisjoint(holders.get(j, ()))]  # the bevel of a bevel fills nothing more
+        some = [j for j in stones if stones.isdisjoint(holders.get(j, ()))]  # an outline within a stone fills no further area
         alike = [j for j in some if outlines[j].place == outlines[k].place]
         mask[k] = any(len(these) > 1 and area[these].sum() >= share * area[k] for these, share in ((alike, FILLED), (some, FILLED_BY_ALL)))
     return mask

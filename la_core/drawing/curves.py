@@ -1,4 +1,4 @@
-"""Curves of a drawing as chords, which go through the ends of lines and the corners of stones on them."""
+"""Curves of a drawing as chords that go through the ends of lines and the corners of stones on the curve."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
+LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # rad, between two chords of a curve: a circle has eight chords or more
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Curves:
 
 
 def with_points(line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray | None = None) -> np.ndarray:
-    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them.
+    """A line (n, 2) with the points (m, 2) that lie on its chords inserted as corners.
 
-    Points of the mask `lone` (m,), all by default, need a curve: they reach a straight line by themselves.
+    Points in the mask `lone` (m,), by default all, are inserted on curves only. To a straight line, the point's own line is extended.
     """
     lone = np.ones(len(points), dtype=bool) if lone is None else lone
     point, chord, share = _places_on(line, points, snap, curves, lone)
@@ -53,7 +53,7 @@ def with_points(line: np.ndarray, points: np.ndarray, snap: float, curves: Curve
 
 
 def through_ends(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves: Curves) -> list[np.ndarray]:
-    """Lines that go through the ends of other lines on them; a lone end (lines, 2) on a straight line reaches it by itself."""
+    """Lines (n, 2) with the ends of other lines on them inserted as corners. Lone ends, mask (lines, 2), are inserted on curves only."""
     ends, lone = np.concatenate([line[[0, -1]] for line in lines]), lone.ravel()
     strings, tips = np.array([shapely.LineString(line) for line in lines]), shapely.points(ends)
     tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + curves.sagitta)
@@ -68,7 +68,7 @@ def through_ends(lines: list[np.ndarray], lone: np.ndarray, snap: float, curves:
 
 
 def reaching(line: np.ndarray, free: np.ndarray, reach: float) -> shapely.LineString:
-    """A line whose free ends (2,) reach on by `reach` (m)."""
+    """A line (n, 2) whose free ends, mask (2,), are extended by `reach` (m)."""
     before = [line[0] + _ahead(line[1], line[0], reach)] if free[0] else []
     after = [line[-1] + _ahead(line[-2], line[-1], reach)] if free[1] else []
     return shapely.LineString(np.concatenate([np.reshape(before, (-1, 2)), line, np.reshape(after, (-1, 2))]))
@@ -82,9 +82,10 @@ def _ahead(start: np.ndarray, end: np.ndarray, reach: float) -> np.ndarray:
 def _places_on(
     line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (m, 2) that a line (n, 2) has to go through: their indices, the nearest chord of each, and where along it (0 to 1).
+    """Points (m, 2) that a line (n, 2) has to go through: their indices, the nearest chord of each, and the place along it (0 to 1).
 
-    The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
+    The distance of a curve from its chord is about an eighth of the chord's length times the turn to the next chord, rad. A point may
+    lie off the chord by twice this distance, at most by the sagitta, plus `snap` (m).
     """
     chords = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
     point, chord = shapely.STRtree(chords).query(shapely.points(points), predicate="dwithin", distance=snap + curves.sagitta)
@@ -103,7 +104,7 @@ def _places_on(
 
 
 def _turns(line: np.ndarray) -> np.ndarray:
-    """Turn (n - 2,) from each chord of a line (n, 2) to the next one, rad; 0 where it is the corner of a stone."""
+    """Turn (n - 2,) from each chord of a line (n, 2) to the next one, rad; 0 at a corner of a stone, which turns by more than MOST_TURN."""
     along = np.diff(line, axis=0)
     angle = np.arctan2(along[:, 1], along[:, 0])
     turn = np.abs((np.diff(angle) + np.pi) % (2.0 * np.pi) - np.pi)

@@ -1,4 +1,4 @@
-"""Lines of a drawing that may be joints or edges of stones, and yet divide and enclose nothing."""
+"""Lines of a drawing that may be joints or edges of stones, but divide and enclose nothing."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,8 +10,8 @@ from la_core.drawing.enclosing import enclosed, outline_polygons, share_near, st
 from la_core.drawing.outlines import ALL_BUT_CLOSED, Drawn, Found, LayerCount, all_but_closed, by_layer
 
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
-LONG_REST = 0.25  # of the root of a block's area: a shorter part of a line that ends within it is a careless end
-LINED = 0.1  # of its edge: an area is meant by lines if they bound so much of it
+LONG_REST = 0.25  # of the square root of a block's area: a shorter part of a line that ends in the block is a careless end
+LINED = 0.1  # of an area's perimeter: lines that bound this share are meant to enclose the area
 
 
 def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: float) -> np.ndarray:
@@ -22,7 +22,7 @@ def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: 
 
 
 def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask of the lines (n, 2) of which most lies in outlines, and not on their edges."""
+    """Mask of the lines (n, 2) that lie for the most part inside outlines (n, 2), and not on their edges."""
     if not lines or not outlines:
         return np.zeros(len(lines), dtype=bool)
     polygons = outline_polygons(outlines)
@@ -32,7 +32,7 @@ def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.nd
 
 
 def ends_within(rests: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask of the rests of lines (n, 2) that lie in an outline (n, 2), and are long beside it: joints that stop short of its edge."""
+    """Mask of the rests of lines (n, 2) inside an outline (n, 2) that are long compared with it: joints that stop short of its edge."""
     mask = within(rests, outlines)
     if mask.any():
         polygons = outline_polygons(outlines)
@@ -47,9 +47,9 @@ def ends_within(rests: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> 
 def areas_without_outline(
     lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], others: Sequence[np.ndarray], snap: float, curves: Curves
 ) -> list[np.ndarray]:
-    """Areas (n, 2) that lines and outlines (n, 2) enclose together where there is neither an outline nor one of the others (n, 2).
+    """Areas (n, 2) that lines and outlines (n, 2) enclose together, outside all outlines and outside `others` (n, 2).
 
-    An area that is larger than all outlines is no stone, but the span of an arch. snap, curves: as in `enclosed`.
+    An area larger than every outline is left out, because it is the span of an arch and no stone. snap, curves: as in `enclosed`.
     """
     if not lines or not outlines:
         return []
@@ -67,7 +67,7 @@ def areas_without_outline(
 
 
 def _lengths_along(areas: Sequence[np.ndarray], lines: Sequence[np.ndarray], snap: float) -> np.ndarray:
-    """Length of the edge of each area (n, 2) that runs along lines (n, 2), to within twice `snap` (m)."""
+    """Length (areas,) of the part of each area's edge that runs along lines (n, 2), to within twice `snap` (m); m."""
     if not areas:
         return np.zeros(0)
     sides = strings_of([side for area in areas for side in np.stack([area, np.roll(area, -1, axis=0)], axis=1)])
@@ -80,7 +80,7 @@ def shared_areas(
 ) -> list[tuple[frozenset[tuple[str, str]], np.ndarray]]:
     """Areas (n, 2) without an outline that lines of several layers or colours enclose together, each with these layers and colours.
 
-    idle: lines by layer and colour that bound nothing. outlines: (n, 2) arrays, contours aside. snap, curves: as in `enclosed`.
+    idle: lines that bound nothing, by layer and colour. outlines: (n, 2) arrays without contours. snap, curves: as in `enclosed`.
     """
     if len(idle) < 2:
         return []
@@ -98,9 +98,9 @@ def shared_areas(
 def lost(
     found: Found, drawn: Drawn, shared: Sequence[np.ndarray], snap: float, curves: Curves
 ) -> tuple[tuple[LayerCount, ...], tuple[LayerCount, ...]]:
-    """Lines and areas that may be edges of stones, and stones, that are lost, unless another remark tells of them.
+    """Count by layer the lines that may be edges of stones, and the areas that may be stones, but belong to no block.
 
-    shared: areas (n, 2) that lines of several layers enclose together, which have a remark of their own.
+    Lines and areas with another remark are left out. shared: areas (n, 2) that lines of several layers enclose; they have another remark.
     """
     rings = [outline.points for outline in found.outlines]
     edges: list[tuple[str, np.ndarray]] = []
@@ -121,10 +121,10 @@ def lost(
 
 
 def nearly_enclosing(idle: Sequence[np.ndarray], lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], snap: float) -> np.ndarray:
-    """Mask of the idle lines (n, 2) outside outlines (n, 2) both ends of which meet others of the lines, or outlines, or nearly do.
+    """Mask of the idle lines (n, 2) outside outlines (n, 2) whose ends both meet another line or an outline, or nearly meet it.
 
-    An end nearly meets what is as close to it as the ends of a line are that is all but closed. A line that runs along an outline is
-    no edge of another stone.
+    An end nearly meets a line or outline that is no farther from it than ALL_BUT_CLOSED times the length of the idle line. An idle line
+    along an outline is left out, because it is no edge of another stone.
     """
     if not idle:
         return np.zeros(0, dtype=bool)

@@ -32,15 +32,15 @@ CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE"
 MOST_ENTITIES = 500_000
 SPLINE_FRAME = 16  # flag of the vertices of a polyline that only guide its curve
 DEEPEST = 20  # inserts within inserts
-LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve; the most follow half a circle to FINEST of its size
+LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve; MOST_CHORDS follow half a circle to within FINEST of its size
 CUBIC = 3  # degree of most splines
-LARGEST = 1e12  # units of the file: extent of one entity
-FINEST = 1e-6  # of its extent: the least distance of a curve from its chords
+LARGEST = 1e12  # units of the file: largest extent of one entity
+FINEST = 1e-6  # of an entity's extent: least distance between curve and chords that is asked for
 DWG = b"AC10"  # the first bytes of a DWG file
-BINARY = b"AutoCAD Binary DXF"  # those of a binary DXF file
-CONFLICT = re.compile(r"(\w+)\(#(\w+)\) with a conflicting handle")  # an entity that ezdxf left out, in its message
-REMOVED = re.compile(r"Removed SPLINE\(#\w+\) with (invalid .*)")  # a spline that ezdxf took out, in its message
-RECOVERED = re.compile(r'value "(.*)" near line (\d+)')  # a number that ezdxf guessed, in its message
+BINARY = b"AutoCAD Binary DXF"  # the first bytes of a binary DXF file
+CONFLICT = re.compile(r"(\w+)\(#(\w+)\) with a conflicting handle")  # message of ezdxf about an entity that it left out
+REMOVED = re.compile(r"Removed SPLINE\(#\w+\) with (invalid .*)")  # message of ezdxf about a spline that it removed
+RECOVERED = re.compile(r'value "(.*)" near line (\d+)')  # message of ezdxf about a number that it guessed
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
@@ -55,7 +55,7 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
     try:
         document, auditor = recover.read(io.BytesIO(content))
         code = int(document.header.get("$INSUNITS", 0))
-    except Exception as error:  # any error of a reader of foreign bytes
+    except Exception as error:  # damaged bytes may raise any error in ezdxf
         raise ValueError(f"is not a whole DXF file: {_words(error)}; save it again in a CAD program") from error
     _refuse_damage(auditor)
     paper = unit or INSERT_UNITS.get(code)
@@ -77,7 +77,7 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float, scale: float = 
 
 
 def _refuse_damage(auditor: Any) -> None:
-    """Raise ValueError where ezdxf guessed a coordinate, took out a spline or one of two entities: stones would move or vanish."""
+    """Raise ValueError if ezdxf guessed a coordinate, or removed a spline or one of two entities with one handle: stones would be wrong."""
     from ezdxf.audit import AuditError  # noqa: PLC0415
 
     for damage in (found[1] for found in (REMOVED.match(fix.message) for fix in auditor.fixes) if found):
@@ -89,7 +89,7 @@ def _refuse_damage(auditor: Any) -> None:
             raise ValueError(f"{where}, which must be unique; save it again in a CAD program, or leave all handles out")
     guessed = [error.message for error in auditor.errors if error.code == AuditError.INVALID_FLOATING_POINT_VALUE]
     for text, line in (found.groups() for found in map(RECOVERED.search, guessed) if found):
-        if not _is_number(text):  # the other coordinates of its point are in the list, too
+        if not _is_number(text):  # the list also has the valid coordinates of the same point
             raise ValueError(f'holds "{text[:40]}" near its line {line}, where a number is expected; write it with digits and a point')
 
 
@@ -102,7 +102,7 @@ def _is_number(text: str) -> bool:
 
 
 def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
-    """What no entity of the model space shows: entities on the sheets, and inserts of blocks that the file does not hold."""
+    """Number of entities in paper space, and of inserts of blocks that are missing in the file, by kind."""
     from ezdxf.audit import AuditError  # noqa: PLC0415
 
     sheets = [layout for layout in document.layouts if not layout.is_modelspace]
@@ -114,11 +114,11 @@ def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
 def _entities(
     entities: Iterable[Any], document: Any, layer: str, colour: str, motion: Any, depth: int, numbers: Iterator[int]
 ) -> Iterator[tuple[Any, str, str, Any]]:
-    """Every entity with its layer, its colour, and the matrix that puts those of inserted blocks in place, None for none.
+    """Yield every entity with its layer, its colour, and the matrix that places the entity of an inserted block; None for no matrix.
 
-    Layer 0 of a block is the layer of its insert. A word stands for what is counted alone, as for an entity that the drawing hides.
-    `numbers` counts entities and copies: copies of an empty block yield none. Matrices are multiplied here: ezdxf's own copies of a turned
-    block in a stretched one are wrong.
+    Layer 0 of a block is the layer of its insert. For an entity that is counted only, such as a hidden one, its kind is yielded instead.
+    `numbers` counts entities and copies, because copies of an empty block yield nothing. Matrices are multiplied here, because ezdxf
+    places a turned block in a stretched one wrongly.
     """
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
@@ -149,7 +149,7 @@ def _layer(entity: Any, document: Any) -> str:
 
 
 def _not_followed(insert: Any) -> Iterator[str]:
-    """Words for what an insert shows and is not read: a drawing in another file, and the clip path of the insert (an xclip)."""
+    """Yield the kinds of the parts of an insert that are not read: a drawing in another file, and the clip path of the insert (xclip)."""
     from ezdxf.xclip import XClip  # noqa: PLC0415
 
     block = insert.block()
@@ -172,7 +172,7 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
         return
     try:
         size, points, curves, meets = (_spline_chords if _is_general_spline(entity) else _chords)(entity, motion, sagitta / scale)
-    except Exception as error:  # any error of a reader of foreign bytes
+    except Exception as error:  # damaged bytes may raise any error in ezdxf
         raise ValueError(f"holds a {kind} that cannot be read: {_words(error)}") from error
     if not size <= LARGEST:
         raise ValueError(f"holds a {kind} larger than {LARGEST:g} units, or with a coordinate that is not a number; delete it")
@@ -182,13 +182,13 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
 
 
 def _chords(entity: Any, motion: Any, sagitta: float) -> tuple[float, np.ndarray, list[np.ndarray], bool]:
-    """Extent of an entity, its corners (n, 2), the chords (m, 2) of each curve, and whether it ends where it begins; in the file's unit."""
+    """Extent of an entity, its corners (n, 2), the chords (m, 2) of each curve, and whether it is closed; in the file's unit."""
     curve = _path_of(entity) if motion is None else _path_of(entity).transform(motion)
     guides = _flat(curve.control_vertices())
     size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
-    if not size <= LARGEST:  # NaN is not
+    if not size <= LARGEST:  # also true for NaN
         return size, guides[:0], [], False
-    finest = max(sagitta, FINEST * size)  # a circle around the whole world has no more chords than memory holds
+    finest = max(sagitta, FINEST * size)  # limits the number of chords of a huge circle
     return size, _flat(curve.flattening(finest, LEAST_CHORDS)), _curves(curve, finest) if curve.has_curves else [], bool(curve.is_closed)
 
 
@@ -208,8 +208,8 @@ def _path_of(entity: Any) -> Any:
 def _is_general_spline(entity: Any) -> bool:
     """Whether an entity is a spline that ezdxf does not follow exactly.
 
-    ezdxf follows cubic splines without weights that begin at their first knot and end at their last. Through some points of any other it
-    draws a smooth curve, also where the spline has corners. A closed spline without a beginning it follows beyond its ends.
+    ezdxf is exact for cubic splines without weights that begin at their first knot and end at their last one. For any other spline it
+    draws a smooth curve through some points, also where the spline has corners. It follows a periodic spline beyond its ends.
     """
     if entity.dxftype() != "SPLINE" or not len(entity.control_points) or not len(entity.knots):
         return False
@@ -219,7 +219,7 @@ def _is_general_spline(entity: Any) -> bool:
 
 
 def _spline_chords(spline: Any, motion: Any, sagitta: float) -> tuple[float, np.ndarray, list[np.ndarray], bool]:
-    """The same as `_chords` for a spline of any degree: corners on the curve itself, among them all its knots."""
+    """As `_chords`, for a spline of any degree. The corners lie on the curve itself, and every knot is a corner."""
     from scipy.interpolate import BSpline  # noqa: PLC0415 - few drawings have such splines
 
     degree, weights = spline.dxf.degree, np.array(spline.weights or [1.0] * len(spline.control_points), dtype=float)
@@ -237,7 +237,7 @@ def _spline_chords(spline: Any, motion: Any, sagitta: float) -> tuple[float, np.
 
 
 def _span(curve: Any, start: float, end: float, finest: float, count: int) -> np.ndarray:
-    """Equal steps (n, 2) along a spline between two knots, at least `count`, whose chords stay within `finest` of it."""
+    """Points (n, 2) of a spline at equal steps between two knots. They have at least `count` chords, which stay within `finest` of it."""
     while True:
         weighted = curve(np.linspace(start, end, 2 * count + 1))
         points = weighted[:, :2] / weighted[:, 2:]
@@ -262,7 +262,7 @@ def _curves(curve: Any, finest: float) -> list[np.ndarray]:
 
 
 def _is_hidden(entity: Any, document: Any, layer: str) -> bool:
-    """Whether an entity is invisible, or its layer is frozen or switched off; an insert on a layer that is off shows its other layers."""
+    """Whether an entity is invisible, or its layer is frozen or off. An insert on a layer that is off still shows other layers."""
     if entity.dxf.get("invisible", 0) or layer not in document.layers:
         return bool(entity.dxf.get("invisible", 0))
     drawn_on = document.layers.get(layer)
@@ -270,7 +270,7 @@ def _is_hidden(entity: Any, document: Any, layer: str) -> bool:
 
 
 def _colour(entity: Any, document: Any, layer: str, of_block: str) -> str:
-    """Name or number of an entity's colour, its layer's or its block's; "#rrggbb" for a true colour."""
+    """Name or number of the colour of an entity, of its layer or of its block; "#rrggbb" for a true colour."""
     if entity.dxf.hasattr("true_color"):
         return f"#{int(entity.dxf.true_color) & 0xFFFFFF:06x}"
     number = int(entity.dxf.get("color", BY_LAYER))

@@ -1,4 +1,4 @@
-"""Outlines that lines enclose: their ends meet, curves pass through the ends of lines on them, and lines divide outlines."""
+"""Outlines that lines enclose or divide, once ends of lines are joined and curves pass through the ends of lines on them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,31 +10,31 @@ import shapely
 
 from la_core.drawing.curves import Curves, reaching, through_ends, with_points
 
-SAMPLES = 8  # points of a line that tell where most of it lies
+SAMPLES = 8  # points of a line from which its position is judged
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
-FREE = 0.05  # of an outline's area or length, that others may cover where it is drawn by lines of its own
-SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
-MOST_CROSSINGS = 200_000  # of lines: they enclose about as many outlines, and a scene has at most 50,000 blocks
-SAMPLED, COMMON = 300, 0.9  # lines of which crossings are counted, and the share of them that counts: a few may cross all others
-SPREAD = 2.0  # times the distance within which ends meet: most that ends which meet lie apart along x or z
-CLOSING = 0.5  # of its length: a line whose ends are closer than this turns back
-EXACT = 0.05  # of the largest error of coordinates: what is drawn as near to a line is drawn on it
+FREE = 0.05  # of an outline drawn as lines of its own: share of its area that others may cover, and of its length that may be open
+SAME_AREA = 0.01  # relative difference of an outline's area before and after its corners are joined
+MOST_CROSSINGS = 200_000  # crossings of lines: they enclose about as many outlines, and a scene has at most 50,000 blocks
+SAMPLED, COMMON = 300, 0.9  # number of lines whose crossings are counted, and share of them that is used: a few lines may cross all others
+SPREAD = 2.0  # over the distance within which ends meet: largest extent along x or z of ends that are joined to one point
+CLOSING = 0.5  # of a line's length: the ends of a ring are closer than this
+EXACT = 0.05  # of the largest error of coordinates: an end this near to a line is drawn on it
 
 
 @dataclass(frozen=True)
 class Enclosed:
-    """What lines enclose together.
+    """Outlines that lines enclose together, and lines that bound no outline.
 
     Attributes
     ----------
     faces : list of (n, 2) array
-        Outlines that they enclose.
+        Outlines that the lines enclose.
     idle : array of bool
-        Mask of the lines that bound none.
+        Mask of the lines that bound no outline.
     around : list of (n, 2) array
         Outlines around others.
     rests : list of (n, 2) array
-        Parts of the other lines that bound none.
+        Parts of the other lines that bound no outline.
     """
 
     faces: list[np.ndarray]
@@ -46,10 +46,10 @@ class Enclosed:
 def enclosed(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray] = ()) -> Enclosed:
     """Find the outlines that lines (n, 2) enclose together.
 
-    Coordinates are off by up to `snap` (m), so ends and corners of lines meet as `_joined` says. An end that meets no other
-    reaches on by twice as much, so that a line that stops just short of another one meets it. Where a line ends on one of the curves of the
-    drawing, the chords of the curve go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
-    that runs along one that stays whole does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
+    Coordinates are wrong by up to `snap` (m), so `_joined` makes ends and corners of lines meet. An end that meets no other one is extended
+    by twice `snap`, so that a line that stops just short of another line meets it. Where a line ends on a curve of the drawing, the chords
+    of the curve go through this end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line that runs along an
+    undivided outline does not bound it. Raises ValueError where lines cross each other more than MOST_CROSSINGS times.
     """
     _refuse_a_tangle(lines)
     every = [*lines, *(np.concatenate([outline, outline[:1]]) for outline in outlines)]
@@ -62,13 +62,13 @@ def enclosed(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines:
     inner = faces[~is_around]
     idle = share_near(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
     loose = np.concatenate([shapely.get_parts(cuts), shapely.get_parts(dangles)]) if not idle.all() else np.zeros(0, dtype=object)
-    loose = loose[shapely.length(loose) > 4.0 * snap]  # less is a careless end, or the reach of one
+    loose = loose[shapely.length(loose) > 4.0 * snap]  # shorter pieces are careless ends, or extensions of ends
     rests = loose[share_near(loose, drawn[: len(lines)][idle], snap) < 0.5]
     return Enclosed(_corners(inner), idle, _corners(faces[is_around]), [shapely.get_coordinates(rest) for rest in rests])
 
 
 def _refuse_a_tangle(lines: Sequence[np.ndarray]) -> None:
-    """Raise ValueError for lines that cross each other far too often for joints, before that costs minutes."""
+    """Raise ValueError for lines that cross each other far too often for joints, because following them would take minutes."""
     strings = strings_of(lines)
     some = strings[:: -(-len(strings) // SAMPLED)]
     crossed, _ = shapely.STRtree(strings).query(some, predicate="crosses")
@@ -82,7 +82,7 @@ def _refuse_a_tangle(lines: Sequence[np.ndarray]) -> None:
 
 
 def _is_whole(faces: np.ndarray, outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask of the faces that are one of the outlines (n, 2), and no part of it."""
+    """Mask of the faces that are a whole outline (n, 2), not a part of one."""
     mask = np.zeros(len(faces), dtype=bool)
     if len(faces) and outlines:
         polygons = outline_polygons(outlines)
@@ -101,9 +101,9 @@ def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: f
 
 
 def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Outlines (n, 2) of lines that bound nothing else, where no other outline (n, 2) is: stones drawn by lines between closed outlines.
+    """Outlines (n, 2) that lines of their own enclose outside all other outlines (n, 2): stones drawn as lines between closed outlines.
 
-    Lines that go on, as a bed joint that is drawn again past an opening, enclose none. snap, curves: as in `enclosed`.
+    A line that runs on beyond the outline is not its own, such as a bed joint drawn past an opening. snap, curves: as in `enclosed`.
     """
     faces = enclosed(lines, snap, curves).faces
     if not faces:
@@ -119,10 +119,10 @@ def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outli
 
 
 def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: float) -> tuple[np.ndarray, np.ndarray]:
-    """Lines that may divide outlines, and the outlines: indices (m,) of both.
+    """Pairs of a line (n, 2) and an outline (n, 2) that the line may divide: index (m,) of the line and index (m,) of the outline.
 
-    Such a line has its middle in the outline, and ends on it or on another line, to within `near` (m). An axis of the structure goes
-    beyond the outline, and a crack or a tool mark ends in it.
+    The middle of the line lies in the outline, and both ends lie on the outline or on another line, to within `near` (m). An axis of the
+    structure goes beyond the outline, and a crack or a tool mark ends inside it, so neither divides it.
     """
     if not outlines or not lines:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
@@ -139,16 +139,16 @@ def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: 
 
 
 def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
-    """Outlines (n, 2) into which lines divide an outline (n, 2); it alone where they do not."""
+    """Outlines (n, 2) into which lines divide an outline (n, 2); the outline alone where they do not divide it."""
     found = enclosed(lines, snap, curves, [outline])
     return found.faces if len(found.faces) > 1 and not found.around else [outline]
 
 
 def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
-    """Outlines (n, 2) whose curves go through the corners of their neighbours on them, so that both have the same chords.
+    """Outlines (n, 2) with the corners of neighbours on their curves inserted, so that both neighbours have the same chords.
 
-    Stones on both sides of a curve divide it at corners of their own. Chords between these would overlap and leave gaps of up to the
-    sagitta of the curves.
+    Stones on both sides of a curve have corners at different places of it. Without the other stone's corners, their chords would overlap,
+    or leave gaps, by up to the sagitta of the curve.
     """
     curved = [k for k, outline in enumerate(outlines) if curves.lines and curves.along(_round(outline), snap).any()]
     if not curved:
@@ -163,7 +163,7 @@ def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> l
     touch = shapely.dwithin(polygons[pairs[0]], polygons[curved][pairs[1]], TOUCHING)  # open joints stay as they are drawn
     corner, on = corner[touch[pair.ravel()]], on[touch[pair.ravel()]]
     shared = np.unique(corner)
-    corners[shared] = _merged(corners[shared], snap, owner[shared])  # of neighbours
+    corners[shared] = _merged(corners[shared], snap, owner[shared])  # corners of neighbours meet
     conformed = [corners[first:last] for first, last in pairwise(start)]
     for k, outline in enumerate(curved):
         near = np.unique(corners[corner[(on == k) & (owner[corner] != outline)]], axis=0)
@@ -174,7 +174,7 @@ def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> l
 
 
 def _round(outline: np.ndarray) -> np.ndarray:
-    """An outline (n, 2) with its first two corners again at the end, so that it turns at every corner."""
+    """An outline (n, 2) with its first two corners repeated at the end, so that every corner lies between two chords."""
     return np.concatenate([outline, outline[:2]])
 
 
@@ -193,7 +193,7 @@ def _corners(faces: np.ndarray) -> list[np.ndarray]:
 
 
 def share_near(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
-    """Share of each line that lies in, on or near shapes (within `near`, m), by SAMPLES of its points."""
+    """Share (n,) of the length of each line that lies within shapes, or closer to them than `near` (m), judged at SAMPLES points."""
     shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
     points = shapely.line_interpolate_point(lines[:, None], shares, normalized=True).ravel()
     hit = np.zeros(len(points), dtype=bool)
@@ -202,16 +202,16 @@ def share_near(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray
 
 
 def _is_ring(line: np.ndarray, near: float) -> bool:
-    """Whether a line (n, 2) is an outline: its ends are within `near` (m), and close to each other beside its length."""
+    """Whether a line (n, 2) is a ring: its ends are closer than `near` (m), and closer than CLOSING times its length."""
     apart = float(np.hypot(*(line[-1] - line[0])))
     return len(line) > 3 and apart <= near and apart < CLOSING * float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
 def _joined(lines: Sequence[np.ndarray], snap: float) -> tuple[list[np.ndarray], np.ndarray]:
-    """Lines (n, 2) whose ends and corners within `snap` (m) meet, and the mask (lines, 2) of the ends that meet nothing.
+    """Join ends and corners of lines (n, 2) within `snap` (m). Return the lines, and the mask (lines, 2) of the ends that meet nothing.
 
-    Two ends that are each off by `snap` lie within twice as much. So an end that is not drawn exactly on another line meets what is so
-    near. Other ends and corners do not, for they may lie on both sides of an open joint.
+    Two ends that are each wrong by `snap` lie within twice `snap`. So an end that is not drawn exactly on another line also meets ends and
+    corners at up to twice `snap`. Other ends and corners do not, because they may lie on both sides of an open joint.
     """
     is_ring = np.array([_is_ring(line, 2.0 * snap) for line in lines])
     open_lines = [line[:-1] if ring else line for line, ring in zip(lines, is_ring, strict=True)]
@@ -233,17 +233,17 @@ def _joined(lines: Sequence[np.ndarray], snap: float) -> tuple[list[np.ndarray],
 
 
 def _without_repeats(line: np.ndarray) -> np.ndarray:
-    """A line (n, 2) without points that repeat the one before; two points at least."""
+    """A line (n, 2) without points that repeat the point before them; at least two points are kept."""
     kept = np.concatenate([[True], (np.diff(line, axis=0) != 0.0).any(axis=1)])
     return line[kept] if kept.sum() > 1 else line[[0, -1]]
 
 
 def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None, seeking: np.ndarray | None = None) -> np.ndarray:
-    """Points (n, 2), those closer than `snap` (m) to each other replaced by the first of them, and chains of such points, too.
+    """Points (n, 2), m, with all points of a chain replaced by its first point. Neighbours in a chain are closer than `snap` (m).
 
-    With a mask `seeking` (n,), one of two such points has to be in it, unless they are equal. A curve that is drawn as many short lines is
-    such a chain, and would vanish: a chain that is wider than SPREAD times `snap`, or that holds several points with one number in `owner`
-    (n,), is divided.
+    With a mask `seeking` (n,), one of two neighbours must be in the mask, unless the two points are equal. `owner` (n,) numbers the line or
+    outline of each point; neighbours have different owners. A curve drawn as many short lines is a chain, too, and would shrink to a point.
+    So a chain is divided if it is wider than SPREAD times `snap`, or has several points of one owner.
     """
     owner = np.arange(len(points)) if owner is None else owner
     pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
@@ -267,7 +267,10 @@ def _merged(points: np.ndarray, snap: float, owner: np.ndarray | None = None, se
 def _divided_chains(
     points: np.ndarray, pairs: np.ndarray, first: np.ndarray, crowd: np.ndarray, widest: float, owner: np.ndarray
 ) -> np.ndarray:
-    """First point (n,) that each one meets, where those of a crowd (indices) meet pair by pair, the nearest first, within `widest` (m)."""
+    """Index (n,) of the point that replaces each point. Points of a crowd (indices) are joined pair by pair, the nearest pair first.
+
+    Joined points have different owners, and lie within `widest` (m) of each other along x and z.
+    """
     root, owners = first.tolist(), {}
     boxes: dict[int, tuple[float, float, float, float]] = {}
     for k, x, z, number in zip(crowd.tolist(), *points[crowd].T.tolist(), owner[crowd].tolist(), strict=True):

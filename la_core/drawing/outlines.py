@@ -1,4 +1,4 @@
-"""What a drawing holds: closed outlines, and lines that only together enclose something."""
+"""Content of a drawing: closed outlines, and open lines that enclose outlines together."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -7,16 +7,16 @@ import numpy as np
 import shapely
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
-CLIPPED = "clip paths"  # kind of those that cut off a part of a drawing, which is read whole
-HIDDEN = "hidden entities"  # kind of those that a drawing does not show
-ELSEWHERE = "drawings in other files"  # kind of the inserts of such drawings (external references)
-MISSING = "inserts of missing blocks"  # kind of inserts of blocks that the file does not hold
-ABSENT = "use"  # kind of copies in an SVG file of what it does not hold
-REFERENCE = "refX or refY of symbols"  # kind of copies in an SVG file that such a point would move
-AREAS = ("REGION", "MPOLYGON", "MLINE", "TRACE", "3DFACE")  # kinds of a DXF file that are not read, and may be stones
-FILLINGS = ("HATCH", "SOLID")  # kinds that are not read, and fill areas: seldom are they the stones themselves
-ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
-MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
+CLIPPED = "clip paths"  # kind of clip paths: they are counted, and the shapes that they clip are read whole
+HIDDEN = "hidden entities"  # kind of entities that a drawing does not show
+ELSEWHERE = "drawings in other files"  # kind of inserts of other files (external references)
+MISSING = "inserts of missing blocks"  # kind of inserts of blocks that are missing in the file
+ABSENT = "use"  # kind of copies (<use>) in an SVG file whose original is missing in the file
+REFERENCE = "refX or refY of symbols"  # kind of copies of SVG symbols that have such a reference point, which is not read
+AREAS = ("REGION", "MPOLYGON", "MLINE", "TRACE", "3DFACE")  # kinds of DXF entities that are not read, but may be stones
+FILLINGS = ("HATCH", "SOLID")  # kinds of DXF entities that fill areas and are not read; they are seldom stones
+ALL_BUT_CLOSED = 0.15  # of a polyline's length: if its ends are closer than this, it was meant as an outline
+MOST_POINTS = 2_000_000  # points of all lines of a drawing together; a drawing with more is a scan, or an attack
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,14 @@ class Outline:
 
 @dataclass(frozen=True)
 class OpenOutline:
-    """A polyline that all but closes, and encloses nothing.
+    """A polyline whose ends nearly meet, and that encloses nothing.
 
     Attributes
     ----------
     layer : str
         Layer in the drawing.
     x, z : float
-        Where it begins, m.
+        First point of the polyline, m.
     gap : float
         Distance between its ends, m.
     """
@@ -63,14 +63,14 @@ class OpenOutline:
 
 @dataclass(frozen=True)
 class LayerCount:
-    """Lines or outlines of one layer, counted, and where the first one lies.
+    """Number of lines or outlines on one layer, and place of the first one.
 
     Attributes
     ----------
     layer : str
         Layer in the drawing.
     count : int
-        Number of them.
+        Number of lines or outlines.
     x, z : float
         Middle of the first one, m.
     """
@@ -83,12 +83,12 @@ class LayerCount:
 
 @dataclass(frozen=True)
 class SharedAreas:
-    """Areas that lines of several layers or colours enclose together, counted, and where the first one lies.
+    """Number of areas that lines of several layers or colours enclose together, and place of the first one.
 
     Attributes
     ----------
     layers : tuple of str
-        Layers of these lines; a single one where they differ in colour alone.
+        Layers of these lines; one layer if the lines differ in colour only.
     count : int
         Number of areas.
     x, z : float
@@ -103,7 +103,7 @@ class SharedAreas:
 
 @dataclass
 class Drawn:
-    """Content of a drawing as it is read, in m.
+    """Content of a drawing as it is read, with all coordinates in m.
 
     Attributes
     ----------
@@ -112,13 +112,15 @@ class Drawn:
     lines : dict
         Open lines, (n, 2) arrays, by layer and colour.
     unit : float
-        Unit of the file, m.
+        Length in the structure of one unit of the file, m.
     ignored : dict of int
-        Number of entities of each kind that are no outlines.
+        Number of entities that are not read, by kind.
+    count : int
+        Number of points added so far.
     sagitta : float
         Largest distance between a curve and its chords, m.
     curves : list of (n, 2) array
-        The chords of each curve in the file, which its outlines and lines have, too, m.
+        Chords of each curve in the file, m; the outlines and lines contain the same chords.
     """
 
     unit: float
@@ -130,7 +132,10 @@ class Drawn:
     curves: list[np.ndarray] = field(default_factory=list)
 
     def add(self, points: np.ndarray, closed: bool, layer: str, colour: str) -> None:
-        """Add a polyline (n, 2), m; it is closed if it says so, or if it ends where it begins."""
+        """Add a polyline (n, 2), m. It is closed if `closed` says so, or if its last point repeats its first one.
+
+        Raises ValueError for a coordinate that is not a number, and for more than MOST_POINTS points in all.
+        """
         self.count += len(points)
         if self.count > MOST_POINTS:
             raise ValueError(f"has more than {MOST_POINTS} points; draw blocks as a few lines and arcs each")
@@ -152,22 +157,22 @@ class Drawn:
 
     @property
     def places(self) -> set[tuple[str, str]]:
-        """Every layer with every colour on it that holds outlines or lines."""
+        """Every pair of a layer and a colour that has outlines or lines."""
         return {outline.place for outline in self.outlines} | set(self.lines)
 
     def ignore(self, kind: str) -> None:
-        """Count an entity that is no outline."""
+        """Count an entity of this kind, which is not read."""
         self.ignored[kind] = self.ignored.get(kind, 0) + 1
 
 
 @dataclass
 class Found:
-    """What a drawing holds.
+    """Outlines found in a drawing, and the lines beside them.
 
     Attributes
     ----------
     outlines : list of Outline
-        Outlines that are closed, or that lines enclose.
+        Outlines that are drawn closed, and outlines that lines enclose.
     idle : dict
         Lines that bound no outline, (n, 2) arrays, by layer and colour.
     around : list of (str, (n, 2) array)
@@ -177,7 +182,7 @@ class Found:
     again : list of (str, (n, 2) array)
         Lines that are edges of outlines, drawn again.
     rests : list of (str, (n, 2) array)
-        Parts of lines that bound nothing, where the rest of the line does.
+        Parts of lines that bound no outline, although another part of the line does.
     """
 
     outlines: list[Outline]
@@ -189,7 +194,7 @@ class Found:
 
 
 def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]:
-    """Lines or outlines, each a layer and points (n, 2), counted by layer."""
+    """Count lines or outlines by layer. Each of them is given as its layer and its points (n, 2), m."""
     found: dict[str, LayerCount] = {}
     for layer, points in places:
         x, z = points.mean(axis=0)
@@ -199,7 +204,7 @@ def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]
 
 
 def by_places(areas: Iterable[tuple[frozenset[tuple[str, str]], np.ndarray]]) -> tuple[SharedAreas, ...]:
-    """Areas, each the layers and colours of its lines and corners (n, 2), counted by the layers."""
+    """Count areas by the layers of their lines. Each area is given as the layers and colours of its lines and its corners (n, 2), m."""
     found: dict[tuple[str, ...], SharedAreas] = {}
     for places, points in areas:
         layers = tuple(sorted({layer for layer, _ in places}))
@@ -210,9 +215,10 @@ def by_places(areas: Iterable[tuple[frozenset[tuple[str, str]], np.ndarray]]) ->
 
 
 def refuse_flat(outlines: Iterable[np.ndarray], lines: Iterable[np.ndarray]) -> None:
-    """Raise ValueError for a drawing without width or height, as of an elevation in another plane than xy.
+    """Raise ValueError for a drawing without width or height, such as an elevation in another plane than xy.
 
-    It has outlines (n, 2), and each lacks one of the two; or it has lines (n, 2) alone, and all of them together lack one.
+    If the drawing has outlines (n, 2), each of them lacks width or height. If it has lines (n, 2) only, all lines lack width, or all lack
+    height.
     """
     sizes = [np.ptp(outline, axis=0) > 0.0 for outline in outlines]
     extents = [np.ptp(line, axis=0) > 0.0 for line in lines]
@@ -223,7 +229,10 @@ def refuse_flat(outlines: Iterable[np.ndarray], lines: Iterable[np.ndarray]) -> 
 
 
 def end_met(outline: Outline, snap: float) -> Outline:
-    """An outline that crosses itself as its last corner is its first one again, up to `snap` (m), without this corner; else as it is."""
+    """Return an outline without its last corner if this corner lies within `snap` (m) of the first one and the outline crosses itself.
+
+    Any other outline is returned unchanged.
+    """
     first, last = outline.points[[0, -1]]
     if len(outline.points) < 4 or np.hypot(*(last - first)) > snap or shapely.Polygon(outline.points).is_valid:
         return outline
@@ -231,7 +240,7 @@ def end_met(outline: Outline, snap: float) -> Outline:
 
 
 def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:
-    """Those of the lines (n, 2) that were meant to be outlines: of three sides or more, and all but closed."""
+    """Yield an OpenOutline for each line (n, 2) meant as an outline: it has three sides or more, and its ends nearly meet."""
     for line in lines:
         gap, length = float(np.hypot(*(line[-1] - line[0]))), float(np.hypot(*np.diff(line, axis=0).T).sum())
         if len(line) > 3 and gap <= ALL_BUT_CLOSED * length:

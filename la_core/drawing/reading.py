@@ -18,7 +18,7 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
     suffix : str
         Ending of the file's name, one of DRAWING_FORMATS.
     content : bytes
-        Content of the file; nothing else that it names is opened.
+        Content of the file; other files that it names are not opened.
     unit : float or None
         Metres per unit of the drawing; None takes the file's own unit.
     sagitta : float
@@ -29,7 +29,7 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
     Raises
     ------
     ValueError
-        The content is damaged, has no unit, or is too large; the message says so.
+        The content is damaged, has no unit, or is too large; the message names the fault.
     ImportError
         The reader of DXF files is not installed.
     """

@@ -1,4 +1,4 @@
-"""What a user is told about the lines and outlines of a drawing, as sentences without their full stops."""
+"""Remarks for the user about the lines and outlines of a drawing: sentences without full stops."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -33,12 +33,12 @@ def remarks(
     areas: Sequence[LayerCount] = (),
     shared: Sequence[SharedAreas] = (),
 ) -> list[str]:
-    """Sentences about a drawing; none for what it does not have.
+    """Sentences about a drawing; an empty argument yields no sentence.
 
     Parameters
     ----------
     open_outlines : sequence of OpenOutline
-        Lines that were meant to be outlines.
+        Lines that were meant as outlines.
     stray : sequence of LayerCount
         Lines that lie in blocks and divide no block.
     around : sequence of LayerCount
@@ -60,7 +60,7 @@ def remarks(
 
 
 def unseen_words(ignored: Mapping[str, int]) -> list[str]:
-    """Sentences on what a drawing hides, clips or takes from elsewhere, from the number of entities of each kind that are no outlines."""
+    """Sentences about hidden entities, clip paths and missing parts of a drawing. ignored: number of unread entities by kind."""
     told = []
     if hidden := ignored.get(HIDDEN, 0):
         what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"
@@ -71,7 +71,7 @@ def unseen_words(ignored: Mapping[str, int]) -> list[str]:
 
 
 def lacking_words(ignored: Mapping[str, int]) -> list[str]:
-    """Sentences on stones that other programs may show and that are not read or stand elsewhere; parameter as of `unseen_words`."""
+    """Sentences about stones that other programs may show, but that are missing or misplaced here. ignored: as in `unseen_words`."""
     told = []
     if elsewhere := ignored.get(ELSEWHERE, 0):
         told.append(f"{ELSEWHERE} are not read ({elsewhere}); bind these external references into the drawing")
@@ -87,9 +87,9 @@ def lacking_words(ignored: Mapping[str, int]) -> list[str]:
 
 
 def why_none(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
-    """Why a drawing holds no outline of a block: what is open, what encloses nothing, what lists take, and what was not read.
+    """Say why a drawing has no outline of a block: open outlines, idle lines, outlines in other lists, or entities that are not read.
 
-    taken: words for what lists take, "" for nothing.
+    taken: words about the outlines that other lists take, "" if they take none.
     """
     if clean.open_outlines:
         return open_words(clean.open_outlines)
@@ -107,7 +107,7 @@ def why_none(clean: Cleaned, drawn: Drawn, taken: str = "") -> str:
 
 
 def _unread_words(ignored: Mapping[str, int]) -> str:
-    """What is not read of a drawing that holds no block, and what to do where it has areas; "" for nothing.
+    """Words about the entities that are not read in a drawing without a block, with advice if they may be areas; "" for none.
 
     ignored: number of entities of each kind that are not read.
     """
@@ -194,7 +194,7 @@ def _is_one(some: Sequence[LayerCount]) -> bool:
 
 
 def _listed(some: Sequence[LayerCount], word: str) -> str:
-    """How many of a kind, on which layers, and where the first one is."""
+    """Number of lines, outlines or areas (`word`) on each layer, and place of the first one."""
     on_layers = ", ".join(f"{one.count} {word}{'' if one.count == 1 else 's'} on layer {_quoted(one.layer)}" for one in some)
     return f"{on_layers} (the first near {place_text((some[0].x, some[0].z))})"
 

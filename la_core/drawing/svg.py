@@ -1,7 +1,7 @@
 """Outlines of an SVG file: paths and shapes, with groups, styles, transformations and the unit of the page.
 
-A drawing hangs from the upper left corner of its page; z is up, so heights are negative. Only what draws a line is
-read: text and images are not.
+The origin is the upper left corner of the page and z points up, so heights on the page are negative. Only paths and
+shapes are read; texts and images are not.
 """
 
 import itertools
@@ -22,18 +22,18 @@ from la_core.drawing.svg_styles import MOVES, SIZES, UNREAD, Paint, StyleSheet, 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 ASKS = {"systemLanguage", "requiredExtensions", "requiredFeatures"}  # attributes of elements that not every program draws
 CONTAINERS = {"svg", "g", "a", "switch", "use"}
-WITH_VIEW = {"svg", "symbol"}  # what has a view box of its own
+WITH_VIEW = {"svg", "symbol"}  # elements with a view box of their own
 DEEPEST = 100  # groups and copies within one another
 MOST_COPIED = 200_000  # elements of all copies: copies of copies can fill the memory
-ENTITY = re.compile(rb"""<!ENTITY\s+([\w.:-]+)\s+("[^"&%]*"|'[^'&%]*')\s*>""")  # a text without another entity in it
-MOST_GROWN = 10_000_000  # characters of all entities where they are used
+ENTITY = re.compile(rb"""<!ENTITY\s+([\w.:-]+)\s+("[^"&%]*"|'[^'&%]*')\s*>""")  # an entity that uses no other entity
+MOST_GROWN = 10_000_000  # characters that all entities add where they are used
 XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
+AT_ZERO = {"0", "0px"}  # values of a `transform-origin` that move nothing
 GLYPH = re.compile(r"#(glyph-?|font_)\d+[-_]\d+")  # link to the shape of a letter, as pdftocairo, Inkscape and MuPDF name it
-LETTERS = "letters of texts"  # kind of copies of such shapes
-UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
-SAME_POINT = 1e-9  # of the size of a line
+LETTERS = "letters of texts"  # kind of copies of shapes of letters
+UNREAD_RULES = "rules of style sheets"  # kind of rules whose selectors are not read
+SAME_POINT = 1e-9  # of the size of a line: closer points are the same point
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
@@ -65,7 +65,7 @@ def read_svg(content: bytes, unit: float | None, sagitta: float, scale: float = 
 def _refuse_growing_entities(content: bytes) -> None:
     """Raise ValueError for entities that could fill the memory: nested ones, those of other files, and long ones that are used often.
 
-    Illustrator defines entities for its namespaces, and at times for its styles.
+    Other entities are read, because Illustrator defines some for its namespaces, and at times for its styles.
     """
     plain = ENTITY.findall(content)
     if len(plain) < content.count(b"<!ENTITY"):
@@ -77,26 +77,26 @@ def _refuse_growing_entities(content: bytes) -> None:
 
 @dataclass(frozen=True)
 class _Around:
-    """What an element takes over from the groups around it.
+    """Properties that an element inherits from the groups around it.
 
     Attributes
     ----------
     matrix : (3, 3) array
-        From its coordinates to metres.
+        Transformation from coordinates of the element to metres.
     viewport : Viewport
-        What its lengths refer to.
+        Viewport to which lengths of the element refer.
     layer, layer_of_lines : str
-        Layer of outlines and of open lines; "" where no group around is one.
+        Layer of outlines, and of open lines; "" if no group around the element is a layer.
     is_labelled : bool
-        Whether a group around is a layer by its label.
+        Whether a group around the element is a layer by its label.
     colour : str
-        Colour of elements without one of their own.
+        Colour of elements without a colour of their own.
     paint : Paint
         Fill and stroke.
     displayed, visible : bool
-        Whether no group is switched off or has no opacity, and whether the last `visibility` shows it.
+        Whether no group hides the element by `display` or `opacity`, and whether the innermost `visibility` shows it.
     is_copied : bool
-        Whether a <use> draws it.
+        Whether a <use> draws the element.
     """
 
     matrix: np.ndarray
@@ -120,13 +120,13 @@ class _Reader:
     drawn : Drawn
         The drawing.
     sheet : StyleSheet
-        Its style sheet.
+        Style sheet of the drawing.
     sagitta : float
         Largest distance between a curve and its chords, m.
     named : dict
-        The element of each id.
+        Element of each id.
     copied : int
-        Elements of copies so far.
+        Number of copied elements so far.
     """
 
     drawn: Drawn
@@ -136,7 +136,7 @@ class _Reader:
     copied: int = 0
 
     def walk(self, element: ElementTree.Element, around: _Around, depth: int) -> None:
-        """Add an element and all below it."""
+        """Add an element and all elements within it."""
         self.copied += around.is_copied
         if depth > DEEPEST:
             raise ValueError(f"has groups, or copies by <use>, more than {DEEPEST} deep")
@@ -155,7 +155,7 @@ class _Reader:
             self._add(sizes, kind, here, "d" in given)
         elif kind == "use":
             self._add_copy(sizes, here, depth)
-        elif kind not in CONTAINERS:  # a browser shows nothing in it, such as the frame of a text
+        elif kind not in CONTAINERS:  # a browser shows no shape within such an element, as within a text
             if here.displayed:
                 self.drawn.ignore(kind)
             return
@@ -163,7 +163,7 @@ class _Reader:
             self.walk(child, here, depth + 1)
 
     def _add_copy(self, use: Mapping[str, str], here: _Around, depth: int) -> None:
-        """Add the element that a <use> stands for, at its place; one of another file is counted."""
+        """Add the element that a <use> copies, at the place of the copy. A copy of an element of another file is only counted."""
         link = use.get("href") or use.get(f"{XLINK}href") or ""
         if GLYPH.fullmatch(link):
             self.drawn.ignore(LETTERS)
@@ -184,7 +184,7 @@ class _Reader:
         self.walk(original, replace(here, matrix=matrix, is_copied=True), depth + 1)
 
     def _within(self, element: ElementTree.Element, kind: str, given: dict[str, str], around: _Around) -> _Around:
-        """What holds for an element with these properties and for the elements in it."""
+        """Inherited properties for an element with the properties `given`, and for the elements within it."""
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
         matrix = around.matrix
         displayed = around.displayed and given.get("display") != "none" and not is_zero(given.get("opacity", "1"))
@@ -230,7 +230,7 @@ class _Reader:
 
 
 def _shown_of(element: ElementTree.Element, kind: str) -> list[ElementTree.Element]:
-    """The children of an element that are drawn: all of them; of a <switch> only the first without a condition."""
+    """The children of an element that are drawn: all; of a <switch>, the first one without a condition; of a <use>, none."""
     if kind == "use":
         return []
     children = list(element)
@@ -244,17 +244,17 @@ def _tag(element: ElementTree.Element) -> str:
 
 
 def _largest_stretch(turn: np.ndarray) -> float:
-    """By how much a matrix (2, 2) lengthens at most: its greatest singular value."""
+    """Largest factor by which a matrix (2, 2) lengthens a vector: its greatest singular value."""
     (a, b), (c, d) = turn.tolist()
     return 0.5 * (math.hypot(a + d, c - b) + math.hypot(a - d, c + b))
 
 
 def _with_layer(group: ElementTree.Element, here: _Around) -> _Around:
-    """What holds within a group that may be a layer.
+    """Inherited properties within a group that may be a layer.
 
-    A group with a label, or one that Inkscape calls a layer, is one. A group that has only an id is a layer if no group around it
-    has a label: drawing programs give such ids to all groups. A single open line in a group with only an id belongs to the layer around
-    this group, because lines of several such groups enclose outlines together.
+    A group is a layer if it has a label, or if Inkscape calls it a layer. A group that has only an id is a layer if no group around it
+    has a label, because drawing programs give such ids to all groups. A single open line in a group with only an id belongs to the layer
+    around this group, because lines of several such groups enclose outlines together.
     """
     label, name = group.get(f"{INKSCAPE}label"), group.get("id", "")
     if label or (name and group.get(f"{INKSCAPE}groupmode") == "layer"):

@@ -25,14 +25,14 @@ SAME_UNIT = 1e-9
 
 @dataclass(frozen=True)
 class Viewport:
-    """What lengths refer to.
+    """Size and unit to which lengths refer.
 
     Attributes
     ----------
     width, height : float or None
-        Size of the nearest view box or page, in user units; None where the file does not say it.
+        Size of the nearest view box or page, in user units; None if the file does not state it.
     per_metre : float
-        User units in a metre of a length with a unit.
+        Number of user units per metre, for lengths with a unit.
     """
 
     width: float | None = None
@@ -49,12 +49,12 @@ class Viewport:
         what : str
             Element and attribute, for the message.
         along : str
-            What a percentage is of: "x" the width, "y" the height, "" the diagonal over the root of 2.
+            Size to which a percentage refers: "x" for the width, "y" for the height, "" for the diagonal over the root of 2.
 
         Raises
         ------
         ValueError
-            The text is no length, or a percentage of a size that the file does not say.
+            The text is no length, or a percentage of a size that the file does not state.
         """
         where = f'{what} = "{" ".join(text.split())[:40]}"'
         found = LENGTH.fullmatch(text.lower())
@@ -76,7 +76,7 @@ class Viewport:
 
 
 def page_of(root: ElementTree.Element) -> tuple[float | None, np.ndarray, Viewport]:
-    """Metres per user unit, None where the file does not say it; by how much x and y are stretched (2,); and the viewport.
+    """Metres per user unit (None if the file does not state it), stretch (2,) of x and y, and viewport of a page.
 
     Without a view box, a plain number counts in the unit of the page's width.
     """
@@ -128,7 +128,7 @@ def nested(given: Mapping[str, str], around: Viewport) -> tuple[np.ndarray, View
 
 
 def _fitted(ratios: np.ndarray, given: Mapping[str, str]) -> np.ndarray:
-    """Scales of x and y by which an element's view box is fitted to its sides, by `preserveAspectRatio`."""
+    """Scales (2,) of x and y that fit an element's view box to its sides, by `preserveAspectRatio`."""
     words = given.get("preserveAspectRatio", "").lower().split()
     if "none" in words:
         return ratios
@@ -136,7 +136,7 @@ def _fitted(ratios: np.ndarray, given: Mapping[str, str]) -> np.ndarray:
 
 
 def _side(root: ElementTree.Element, name: str) -> tuple[float | None, str]:
-    """A side of the page in metres, and its unit; None where it is not given, or as a percentage, or not positive."""
+    """A side of the page in metres, and its unit; None if the side is missing, a percentage, or not positive."""
     found = LENGTH.fullmatch(root.get(name, "").lower())
     if found is None or (found[2] not in PAPER_UNITS and found[2] not in ("", "px")):
         return None, ""

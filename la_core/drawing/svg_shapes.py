@@ -1,4 +1,4 @@
-"""Lines that the basic shapes and paths of SVG draw; curves become chords."""
+"""Lines of the basic shapes and paths of SVG; curves become chords."""
 
 import math
 import re
@@ -9,7 +9,7 @@ import numpy as np
 from la_core.drawing.svg_coordinates import NUMBER, Viewport
 
 SHAPES = {"path", "polygon", "polyline", "rect", "line", "circle", "ellipse"}
-FILLED = {"path", "polyline"}  # what may be open and yet filled
+FILLED = {"path", "polyline"}  # shapes that may be open and filled
 NEXT_NUMBER = re.compile(rf"[\s,]*({NUMBER.pattern})")
 NEXT_FLAG = re.compile(r"[\s,]*([01])")  # one digit, which needs no separator after it
 COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
@@ -18,7 +18,7 @@ STRAIGHT = "LHV"
 FLAGS = (3, 4)  # places of the flags among the seven values of an arc
 FAMILIES = {"S": "CS", "T": "QT"}  # commands whose last control point a smooth curve reflects
 MOST_CHORDS = 200  # of one Bézier curve
-CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least of a circle, and most of an arc
+CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least number of a circle, and largest number of an arc
 
 
 def shape_lines(
@@ -33,11 +33,11 @@ def shape_lines(
     kind : str
         Its kind, one of SHAPES.
     viewport : Viewport
-        What its lengths refer to.
+        Viewport to which lengths of the shape refer.
     sagitta : float
         Largest distance between a curve and its chords, in the units of the shape.
     curves : list of (n, 2) array
-        Takes the chords of every curve, in the units of the shape.
+        The chords of every curve are added to this list, in the units of the shape.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def _corners(text: str, kind: str) -> np.ndarray:
 
 
 def _radii(given: Mapping[str, str], viewport: Viewport, size: np.ndarray) -> np.ndarray:
-    """Radii (2,) of the corners of a <rect>: one alone sets both, and neither is more than half a side."""
+    """Radii (2,) of the corners of a <rect>: a single radius sets both, and neither is more than half a side."""
     radii: list[float | None] = [None, None]
     for axis, (name, along) in enumerate((("rx", "x"), ("ry", "y"))):
         if (text := given.get(name, "auto").strip()) != "auto":
@@ -95,7 +95,7 @@ def _radii(given: Mapping[str, str], viewport: Viewport, size: np.ndarray) -> np
 
 
 def _rectangle(size: np.ndarray, radii: np.ndarray, sagitta: float) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Corners (n, 2) of a rectangle from the origin, and its arcs; one so little rounded that it lies within `sagitta` stays sharp."""
+    """Corners (n, 2) of a rectangle from the origin, and its arcs. Corners stay sharp if their arcs lie within `sagitta` of them."""
     if radii.min() <= 0.0 or (math.sqrt(2.0) - 1.0) * radii.max() <= sagitta:
         return np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]) * size, []
     turn = np.linspace(0.0, np.pi / 2.0, chords(float(radii.max()), np.pi / 2.0, sagitta) + 1)
@@ -120,7 +120,7 @@ def path_lines(text: str, sagitta: float, curves: list[np.ndarray]) -> list[tupl
     sagitta : float
         Largest distance between a curve and its chords, in the units of the path.
     curves : list of (n, 2) array
-        Takes the chords of every curve.
+        The chords of every curve are added to this list.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def _finish(lines: list[tuple[np.ndarray, bool]], points: list[np.ndarray], clos
 
 
 def _commands(text: str) -> list[tuple[str, np.ndarray]]:
-    """Commands with their numbers, repeated ones written out."""
+    """Commands of a path with their numbers; repeated commands are written out."""
     before, *parts = COMMAND.split(text)
     if start := " ".join(before.split()):
         raise ValueError(f'has a path that begins with "{start[:20]}"; a path begins with the command M')
@@ -199,7 +199,7 @@ def _pattern(command: str, place: int) -> re.Pattern[str]:
 def _drawn(
     kind: str, numbers: np.ndarray, base: np.ndarray, before: np.ndarray, control: np.ndarray, sagitta: float
 ) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """End of a command, its last control point, and its points after the first."""
+    """End point of a command, its last control point, and its points after the first one."""
     if kind in "HV":
         axis = "HV".index(kind)
         end = before.copy()
@@ -218,7 +218,7 @@ def _drawn(
 
 
 def _bezier(corners: np.ndarray, sagitta: float) -> list[np.ndarray]:
-    """Chords of a Bézier curve of degree 2 or 3; the second difference of its corners bounds the distance from them."""
+    """Points of a Bézier curve of degree 2 or 3 after its first one. The second difference of its control points bounds the sagitta."""
     degree = len(corners) - 1
     bend = np.abs(np.diff(corners, 2, axis=0)).max()
     count = math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * sagitta))) if sagitta > 0.0 and np.isfinite(bend) else 1
@@ -228,7 +228,7 @@ def _bezier(corners: np.ndarray, sagitta: float) -> list[np.ndarray]:
 
 
 def _arc(start: np.ndarray, shape: np.ndarray, end: np.ndarray, sagitta: float) -> list[np.ndarray]:
-    """Chords of an elliptical arc (W3C, SVG 1.1, appendix F.6)."""
+    """Points of an elliptical arc after its first one (W3C, SVG 1.1, appendix F.6)."""
     rx, ry, degrees, large, sweep = shape.tolist()
     rx, ry, turn = abs(rx), abs(ry), math.radians(degrees)
     if rx == 0.0 or ry == 0.0 or np.array_equal(start, end):
@@ -253,7 +253,7 @@ def _arc(start: np.ndarray, shape: np.ndarray, end: np.ndarray, sagitta: float) 
 
 
 def chords(radius: float, angle: float, sagitta: float) -> int:
-    """Number of equal chords that stay within `sagitta` of an arc of `angle`."""
+    """Number of equal chords that stay within `sagitta` of an arc of `angle` (rad), at most MOST_ARC_CHORDS."""
     least = max(1, math.ceil(CIRCLE_CHORDS * abs(angle) / (2.0 * math.pi)))
     if not 0.0 < sagitta < radius:
         return least

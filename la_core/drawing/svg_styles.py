@@ -10,19 +10,19 @@ from la_core.drawing.outlines import CLIPPED
 OPACITIES = ("fill-opacity", "stroke-opacity")
 READ = ("display", "visibility", "opacity", "color", "fill", "stroke", *OPACITIES, "transform", "transform-origin")
 SIZES = ("x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "d")  # attributes of shapes that a style may give, too
-MOVES = {  # what a style may give beside `transform`, and the values that move nothing; others are refused
+MOVES = {  # properties beside `transform` that move an element, and values that move nothing; other values are refused
     "translate": re.compile(r"none|0(px|%)?(\s+0(px|%)?){0,2}"),
     "rotate": re.compile(r"none|0(deg)?"),
     "scale": re.compile(r"none|(1|100%)(\s+(1|100%)){0,2}"),
 }
-# Properties that change what is seen and are not read, and the kind by which they are counted.
+# Properties that change the picture but are not read, and the kind by which they are counted.
 UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
 PROPERTIES = (*READ, *UNREAD)
 NO_LENGTH = re.compile(r"[-+]?(?=[\d.]*[1-9])[\d.]+(?:e[-+]?\d+)?")  # a number without a unit, unless 0: CSS ignores it
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")
-# States that no element has in a drawing that nobody touches, and parts that are no elements.
+# States that an element has only while a program shows it to a user, and parts that are no elements.
 STATES = re.compile(r":(hover|active|focus|visited|link|any-link|target|checked|:)", re.IGNORECASE)
 UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
 NO_OPACITY = r"\s*[-+]?(?:0+\.?0*|\.0+)%?\s*"
@@ -34,16 +34,16 @@ CLEAR = re.compile(  # paints that show nothing
 
 @dataclass(frozen=True)
 class Paint:
-    """What a shape is painted with.
+    """Fill and stroke of a shape.
 
     Attributes
     ----------
     fill, stroke : str
-        Fill and stroke; "" where nothing gives them.
+        Fill and stroke; "" if neither the shape nor a group gives them.
     clear : frozenset of str
-        Those of the OPACITIES that are 0.
+        Names of the OPACITIES that are 0.
     colour : str
-        What `currentColor` stands for.
+        Value of `currentColor`.
     """
 
     fill: str = ""
@@ -52,7 +52,7 @@ class Paint:
     colour: str = ""
 
     def with_given(self, given: dict[str, str]) -> "Paint":
-        """The paint of an element within that gives some properties itself."""
+        """The paint of an element within this one that gives some properties itself."""
         zero = {name for name in OPACITIES if is_zero(given.get(name, "1"))}
         fill, stroke, colour = (
             given.get(name) or own for name, own in (("fill", self.fill), ("stroke", self.stroke), ("color", self.colour))
@@ -61,14 +61,17 @@ class Paint:
 
     @property
     def is_filled(self) -> bool:
-        """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, and SVG then fills it."""
+        """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, which SVG fills."""
         if "fill-opacity" in self.clear:
             return False
         return not self._is_clear(self.fill) if self.fill else not self._has_stroke
 
     @property
     def is_unseen(self) -> bool:
-        """Whether nothing shows a shape: neither fill, by its own word or a group's, nor stroke. Programs write pages and artboards so."""
+        """Whether a shape is invisible: the fill given by itself or by a group shows nothing, and it has no stroke.
+
+        Programs write pages and artboards in this way.
+        """
         return ("fill-opacity" in self.clear or self._is_clear(self.fill)) and not self._has_stroke
 
     @property
@@ -80,7 +83,7 @@ class Paint:
 
 
 def is_zero(opacity: str) -> bool:
-    """Whether an opacity lets nothing be seen."""
+    """Whether an opacity is 0."""
     return re.fullmatch(NO_OPACITY, opacity) is not None
 
 
@@ -91,9 +94,9 @@ class Rule:
     Attributes
     ----------
     parts : frozenset of str
-        What an element must be: its kind, `.class`, `#id`, or `*` for any.
+        Conditions on an element: its kind, `.class`, `#id`, or `*` for any.
     weight : tuple of int
-        Number of ids, classes and kinds in the selector, and the place of the rule: a rule of more weight wins.
+        Number of ids, classes and kinds in the selector, and position of the rule in the sheet: the rule of greater weight wins.
     values : dict
         Value of every property, and whether it is marked as important.
     """
@@ -146,7 +149,7 @@ def sheet_of(root: ElementTree.Element) -> StyleSheet:
 
 
 def _blocks(text: str) -> Iterator[tuple[str, str]]:
-    """Selectors and body of every rule that lies in no other block; "@media" stands for the selectors of one that may hold on a screen."""
+    """Yield selectors and body of every rule outside other blocks; of a rule in an @media block for screens, "@media" and its body."""
     first, *others = text.split("/*")
     plain = first + " ".join(other.partition("*/")[2] for other in others)
     around: list[str] = []
