@@ -1,7 +1,8 @@
-"""Convex bodies behind planes, and bodies whose faces inexact corners have bent.
+"""Convex bodies bounded by planes, and plane faces for bodies whose faces are bent by inexact corners.
 
-A face of a surveyed body has corners beside its plane, so that its hull has several facets there, and slivers along its edges. Each would
-move by itself when joints are closed: a facet that stays cuts a part of the joint off, and a sliver has no direction of its own.
+The corners of a face of a surveyed body do not lie exactly on one plane. The hull of the body therefore has several facets there, and
+slivers along the edges. Each of them would move by itself when joints are closed. A facet that does not move would cut off a part of the
+joint, and the normal of a sliver is arbitrary.
 """
 
 import heapq
@@ -13,14 +14,17 @@ import scipy
 from la_core.geometry import Shape, polyhedron
 
 PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
-FIT = 1.5  # over the tolerance: largest distance of the corners of a narrow face from that which takes it in
-NARROW = 2.0  # over the tolerance: a narrower face has no direction, and joints as short as this are dropped
-FOLD = np.cos(np.radians(25.0))  # of the angle between facets that may be one face: edges of blocks turn by more
-FARTHEST = 2.0  # over the tolerance: so far a body may reach beyond its facets at its edges, for deeper overlaps are not parted
+FIT = 1.5  # over the tolerance: largest distance of the corners of a narrow face from the plane of the face that it joins
+NARROW = 2.0  # over the tolerance: the normal of a narrower face is arbitrary, and joints this short are dropped
+FOLD = np.cos(np.radians(25.0))  # cosine of the largest angle between facets of one face: edges of blocks turn by more
+FARTHEST = 2.0  # over the tolerance: largest distance of the new body beyond the old one, because deeper overlaps are not cut
 
 
 def between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:
-    """The convex body behind all these planes; None where no ball of the radius `least` (m) fits in it. near: a point (3,) beside it."""
+    """The convex body of all points with normal . x <= offset, m; None where no ball of more than the radius `least` (m) fits in it.
+
+    normal (F, 3): outward unit normals of its faces. near (3,): a point close to the body, m.
+    """
     height = offset - normal @ near
     ball = scipy.optimize.linprog(
         [0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4
@@ -38,7 +42,7 @@ def between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: flo
 
 @dataclass(frozen=True)
 class _Face:
-    """Facets of a hull with a common plane: corners, plane (4,), and moments (4, 4) of their corners by area."""
+    """Facets of a hull with a common plane: corners, plane (4,), and second moments (4, 4) of their corners (x, y, z, 1) by area."""
 
     corners: np.ndarray
     plane: np.ndarray
@@ -46,14 +50,14 @@ class _Face:
 
     @property
     def width(self) -> float:
-        """Width, m: the lesser of its two extents."""
+        """Width of the face, m: the smaller of its two extents."""
         middle = self.moments[:3, 3] / self.moments[3, 3]
         spread = np.linalg.eigvalsh(self.moments[:3, :3] / self.moments[3, 3] - np.outer(middle, middle))
         return 2.0 * float(np.sqrt(max(spread[1], 0.0)))
 
 
 def without_bent_faces(shape: Shape, tolerance: float) -> Shape:
-    """A convex body of corners that are right to the tolerance (m), with plane faces; itself without a tolerance or without triangles.
+    """Return a convex body with plane faces; without a tolerance (m) or without triangles, return the body unchanged.
 
     Inexact corners split a face into triangles. A body without triangles keeps the facets of its curves.
     """
@@ -61,17 +65,17 @@ def without_bent_faces(shape: Shape, tolerance: float) -> Shape:
 
 
 def with_plane_faces(shape: Shape, tolerance: float) -> Shape:
-    """A convex body whose faces are plane, for one with faces that inexact corners have bent; itself where it has no such face.
+    """Return a convex body with plane faces in place of faces bent by inexact corners; a body without bent faces is returned unchanged.
 
-    Facets become one face where no corner is farther from it than the tolerance (m). A face narrower than twice the tolerance has no
-    direction of its own: it becomes a part of one beside it, from which its corners may be farther, by 1.5 times the tolerance. The body
-    stays as it is where its faces would meet far from it, as at the tip of a thin wedge.
+    Facets become one face where no corner is farther from its plane than the tolerance (m). The normal of a face narrower than twice the
+    tolerance is arbitrary. Such a face joins a neighbour, and its corners may lie up to 1.5 times the tolerance off the common plane. The
+    body is also returned unchanged where its new faces would meet far from it, as at the tip of a thin wedge.
     """
     centre = shape.vertices.mean(axis=0)
     hull = scipy.spatial.ConvexHull(shape.vertices - centre)
     planes = np.array([face.plane for face in _faces(hull, tolerance)])
     beyond = (hull.points @ planes[:, :3].T + planes[:, 3]).max(axis=0)
-    planes = planes[beyond <= FIT * tolerance]  # others are slivers that no face took in
+    planes = planes[beyond <= FIT * tolerance]  # the others are slivers that joined no face
     if not 4 <= len(planes) < len(shape.faces):
         return shape
     body = between(planes[:, :3], -planes[:, 3], np.zeros(3), tolerance)
@@ -82,7 +86,7 @@ def with_plane_faces(shape: Shape, tolerance: float) -> Shape:
 
 # The type is in quotes, so that scipy.spatial is loaded only where a body needs it.
 def _faces(hull: "scipy.spatial.ConvexHull", tolerance: float) -> list[_Face]:
-    """Faces of neighbouring facets of a hull, joined as `with_plane_faces` says; those that fit best are joined first."""
+    """Faces of a hull: neighbouring facets are joined by the rules of `with_plane_faces`, the facets that fit best first."""
     corners = hull.points[hull.simplices]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     columns = np.concatenate([corners, np.ones((len(area), 3, 1))], axis=2)
@@ -117,7 +121,7 @@ def _faces(hull: "scipy.spatial.ConvexHull", tolerance: float) -> list[_Face]:
 
 
 def _joined(points: np.ndarray, one: _Face, two: _Face) -> tuple[float, _Face]:
-    """Both faces as one, on the plane that fits their facets best, and the largest distance of a corner from it, m."""
+    """Join two faces on the plane that fits their facets best. Return the largest distance of a corner from it, m, and the joined face."""
     moments, corners = one.moments + two.moments, np.union1d(one.corners, two.corners)
     middle = moments[:3, 3] / moments[3, 3]
     normal = np.linalg.eigh(moments[:3, :3] / moments[3, 3] - np.outer(middle, middle))[1][:, 0]

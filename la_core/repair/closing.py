@@ -1,4 +1,4 @@
-"""Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
+"""Close the joints of a structure: faces move to common planes, corners follow their faces, and remaining overlaps are cut."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,12 +18,12 @@ from la_core.text_table import place_text
 
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
-SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
+SHORTEST = 2.0  # over the tolerance: a shorter joint may not exist, because both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
-FAR = 1024.0  # m: a structure farther from the origin is repaired about one of its own
-NEARLY = 1.5  # over the depth of the shallowest cut: within the errors of the corners, cuts that are less deep are as shallow
+FAR = 1024.0  # m: a structure this far from the origin is repaired about an origin of its own
+NEARLY = 1.5  # over the depth of the shallowest cut: less deep cuts count as equally shallow, within the errors of the corners
 ROUNDS = 4  # a cut may uncover another overlap
-CLOSED = 1e-6  # m: a smaller gap was closed already
+CLOSED = 1e-6  # m: a smaller gap counts as closed before the repair
 
 
 def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float, joints: np.ndarray) -> tuple[list[Shape], Repairs]:
@@ -45,14 +45,14 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     list of Shape
         The repaired shapes.
     Repairs
-        What was changed, and what could not be repaired.
+        Changes, and places that could not be repaired.
 
     Raises
     ------
     SceneError
         A corner would move too far, or nothing would be left of a block.
     """
-    # Round-off grows with the distance, and surveys lie in the grids of countries.
+    # Round-off grows with the distance from the origin, which may be large in the national grid of a survey.
     origin = FAR * np.round(np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0) / FAR)
     blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), [_shifted(shape, -origin) for shape in shapes])
     parts, owner = blocks.parts, blocks.part_block
@@ -62,7 +62,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     normal, offset, closed = planes_closing_most(parts, owner, pairs, _twins(parts, owner), limit)
     most = MOST_MOVE * (tolerance + joints.max() / 2.0)
     whole = _moved_outlines(shapes, origin, parts, owner, normal, offset, most)
-    single = ~np.isin(owner, list(whole))  # parts that move each by itself
+    single = ~np.isin(owner, list(whole))  # mask of the parts that move one by one
     moved = onto_planes(parts.vertices, parts.face_vertex, normal[owners(parts.face_start)], offset[owners(parts.face_start)])
     moved[~single[parts.vertex_block]] = parts.vertices[~single[parts.vertex_block]]
     _refuse_far(parts, moved, normal, offset, most, origin)
@@ -112,7 +112,7 @@ def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
 
 
 def _on_one_plane(normal: np.ndarray, offset: np.ndarray, size: float) -> np.ndarray:
-    """Whether face i and a later face j of a body as large as `size` (m) lie on one plane, (F, F)."""
+    """Mask (F, F) of the pairs of a face i and a later face j on one plane, in a body of the size `size` (m)."""
     level = (normal @ normal.T > 1.0 - PLANE) & (np.abs(offset[:, None] - offset[None, :]) < PLANE * size)
     return np.asarray(np.triu(level, 1))
 
@@ -120,7 +120,7 @@ def _on_one_plane(normal: np.ndarray, offset: np.ndarray, size: float) -> np.nda
 def _moved_outlines(
     shapes: Sequence[Shape], origin: np.ndarray, parts: Blocks, owner: np.ndarray, normal: np.ndarray, offset: np.ndarray, most: float
 ) -> dict[int, MovedOutline]:
-    """The blocks of several parts between front and back that move as wholes, each by at most `most` (m)."""
+    """Moved outlines, by block, of the blocks of several parts between front and back that can move as a whole, by at most `most` (m)."""
     found = {}
     for block, shape in enumerate(shapes):
         if shape.outline is not None:
@@ -134,7 +134,7 @@ def _moved_outlines(
 def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float, origin: np.ndarray) -> None:
     """Raise SceneError where the surface of a block would move by more than `limit`, m; origin: of the parts in the scene, m.
 
-    A corner between two nearly level faces may slide farther along them, because this hardly moves the surface.
+    A corner between two nearly parallel faces may slide farther along them, because this hardly moves the surface.
     """
     vertex_part = parts.vertex_block
     for vertex in np.flatnonzero(np.linalg.norm(moved - parts.vertices, axis=1) > limit).tolist():
@@ -158,10 +158,10 @@ def _pieces(
     offset: np.ndarray,
     origin: np.ndarray,
 ) -> tuple[list[Shape], np.ndarray]:
-    """The `single` parts with moved vertices, and the block of each; one that would be folded, or has two faces on a plane, is made anew.
+    """The `single` parts with moved vertices, and the block of each part.
 
-    Such a part is then the body behind its planes, with those faces alone that still bound it, and without a corner on a straight edge.
-    Parts of which nothing is left are dropped; raises SceneError for a block without another part.
+    A part that would fold over, or that has two faces on one plane, is rebuilt as the body between its planes. It loses the faces that no
+    longer bound it, and corners on straight edges. A part with nothing left is dropped. Raises SceneError for a block without any part.
     """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
     edge = np.linalg.norm(moved[parts.face_vertex[next_corners(parts.face_start)]] - moved[parts.face_vertex], axis=1)
@@ -195,7 +195,7 @@ def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
 
 @dataclass
 class _Overlaps:
-    """What became of overlaps: number of cuts, the deepest one (m), and those that are too deep to be cut, by their two blocks."""
+    """Result of the cuts: number of cuts, depth of the deepest one (m), and overlaps that are too deep to be cut, by their two blocks."""
 
     cut: int = 0
     deepest: float = 0.0
@@ -217,7 +217,10 @@ class _Drawn:
 
 
 def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, drawn: _Drawn, origin: np.ndarray) -> _Overlaps:
-    """Cut every part that overlaps another block, in place, along a face of the other one, also where faces moved."""
+    """Cut every part that overlaps another block, along a face of the other one; `pieces` changes in place.
+
+    An overlap that became too deep only because faces moved is also cut.
+    """
     found = _Overlaps()
     for _ in range(ROUNDS):
         parts = _gathered([names[block] for block in owner], pieces).parts
@@ -248,10 +251,10 @@ def _gathered(names: Sequence[str], shapes: Sequence[Shape]) -> Blocks:
 
 
 def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape, float]:
-    """The part to cut of two overlapping ones, its remainder, and how deep the cut is, m.
+    """Choose the cut of two overlapping parts. Return the part to cut, its remainder, and the depth of the cut, m.
 
-    Of the cuts that are nearly as shallow as the shallowest, that which takes the least off is made: a long part that is cut along a face
-    of a short one, which is not quite level, may lose a joint beside it.
+    Among the cuts that are nearly as shallow as the shallowest one, the cut that removes the least volume is chosen. A long part that is
+    cut along a slightly inclined face of a short part might otherwise lose a joint beside it.
     """
     cuts = [*_cuts(parts, a, b), *_cuts(parts, b, a)]
     shallow = NEARLY * max(height for height, _, _ in cuts)
@@ -272,7 +275,7 @@ def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, S
 
 
 def _cuts(parts: Blocks, a: int, b: int) -> Iterator[tuple[float, np.ndarray, int]]:
-    """Cuts of part b along the faces of part a: how far b passes each face (negative), the plane (4,), and b."""
+    """Yield the cuts of part b along the faces of part a: minus the depth of b behind the face, m, the plane (4,) of the face, and b."""
     faces = slice(parts.part_face_start[a], parts.part_face_start[a + 1])
     vertices = parts.vertices[parts.vertex_start[b] : parts.vertex_start[b + 1]]
     planes = np.column_stack([parts.face_normal[faces], parts.face_offset[faces]])

@@ -7,11 +7,11 @@ import shapely
 
 from la_core.geometry import Blocks, face_pairs, face_polygons, near_pairs, next_corners, overlap_of, owners, plane_axes, ring_corners
 
-WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
-TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
-LEAST_OVERLAP = 1e-6  # of the face: less is an edge
+WEDGE = np.cos(np.radians(25.0))  # cosine of the largest angle between two faces across a wedge-shaped joint
+TOUCH = 1e-6  # of a block's size: largest gap between touching parts of one block
+LEAST_OVERLAP = 1e-6  # of a face's area: a smaller overlap is only an edge
 EXACT = 1e-7  # m: faces this close touch as drawn
-COVERED = 0.999  # of its area: such a face touches others all over
+COVERED = 0.999  # of a face's area: a face that touches others with this share touches them everywhere
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Facing:
     Attributes
     ----------
     face_a, face_b : (L,) arrays of int
-        The faces.
+        The two faces of each pair.
     angle : (L,) array
         Angle between them, rad.
     area : (L,) array
@@ -29,11 +29,11 @@ class Facing:
     middle : (Q, 3) array
         Corners of the overlap, pair after pair, half way between both faces, m.
     gap : (Q,) array
-        Distance between the faces there, m; negative where the blocks overlap.
+        Distance between the faces at each of these corners, m; negative where the blocks overlap.
     start : (L + 1,) array of int
         Pair i has middle[start[i]:start[i + 1]].
     aligned : (A, 2) array of int
-        Opposite faces that lie beside each other instead, nearly on one plane and nearly touching, as where four corners meet.
+        Pairs of faces with opposite normals that lie side by side, nearly on one plane and nearly touching, as where four blocks meet.
     """
 
     face_a: np.ndarray
@@ -66,7 +66,7 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     owner : (P,) array of int
         Block of each part. Parts of one block count as opposite only where they touch.
     reach : (P,) array
-        Largest distance from another part, m; of two parts the greater one counts.
+        Largest distance from another part, m; of two parts, the larger value counts.
     """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
     pairs = near_pairs(parts, np.full(len(parts), reach.max()))
@@ -103,9 +103,10 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
 
 
 def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np.ndarray, widest: np.ndarray) -> np.ndarray:
-    """Mask of the pairs with a gap of which one face touches others all over: nothing is left to close there.
+    """Mask of the pairs with a gap that need no closing, because one of their faces touches other faces everywhere.
 
-    Next to its own chord, a chord of a curve faces the chords before and after it across a narrow wedge. area: of their overlap, m2.
+    A chord of a curve touches the same chord of the next block. It also faces the chords before and after that one across narrow wedges.
+    area: (L,), area of the overlap of each pair, m2. widest: (L,), its largest gap, m.
     """
     touches = (widest <= EXACT) & (area > 0.0)
     covered = np.zeros(len(parts.face_normal))
@@ -124,7 +125,7 @@ def face_areas(parts: Blocks) -> np.ndarray:
 
 
 def _aligned(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Pairs (A, 2) of the faces that would overlap if face b were larger by `reach` (N,), m, and lie as near to one plane there."""
+    """Pairs (A, 2) of the faces that would overlap if face b were larger by `reach` (N,), m, and that lie on one plane within `reach`."""
     found, corners, ring = _overlaps(parts, face_a, face_b, reach)
     gap = parts.face_offset[face_b[found][ring]] - np.sum(parts.face_normal[face_b[found][ring]] * corners, axis=1)
     widest = np.zeros(len(found))

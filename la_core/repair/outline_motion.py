@@ -1,8 +1,8 @@
 """Blocks that are not convex: the corners of their outline follow the faces of the block, and the outline is divided anew.
 
-The cuts between the convex parts of a block are lines that nobody drew. Where a cut is all but level with a face, a corner of its part
-that had to stay on both would slide far along them. So would a corner between two faces that are all but level, of which only one moves:
-it becomes a step, one corner on either face.
+The cuts between the convex parts of a block are not in the drawing. Where a cut is nearly parallel to a face, a corner that had to stay on
+both would slide far along them. So would a corner between two nearly parallel faces of which only one moves. Such a corner becomes a step,
+with one corner on each face.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ import numpy as np
 from la_core.geometry import Shape, divided_loft
 
 ON_LINE = 1e-7  # of a block's size: an edge of a part this close to one of the outline lies on it
-PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do not determine a corner along their line
+PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do not fix a corner along the line in which they meet
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def moved_outline(shape: Shape, normal: np.ndarray, offset: np.ndarray, limit: f
     normal, offset : (F, 3) and (F,) arrays
         Moved planes of the faces of all parts; offsets in m.
     limit : float
-        Largest motion of a corner, m; one that would slide farther along its faces becomes a step between them.
+        Largest motion of a corner, m. A corner that would slide farther along its faces becomes a step between them.
     """
     face = None if shape.outline is None else _faces_of_edges(shape, shape.outline[0])
     if shape.outline is None or face is None:
@@ -67,16 +67,16 @@ def moved_outline(shape: Shape, normal: np.ndarray, offset: np.ndarray, limit: f
 
 
 def _moved(outline: np.ndarray, sides: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """The outline (2, n, 3), each corner moved onto the planes of the faces before and after it, `sides` (n, 2), and of front or back."""
+    """The outline (2, n, 3), each corner moved onto three planes: the faces before and after it, `sides` (n, 2), and front or back."""
     planes = np.concatenate([np.column_stack([sides, np.full(len(sides), cap)]) for cap in (0, 1)])  # faces 0 and 1 are front and back
     point = np.repeat(np.arange(len(planes)), 3)
     return onto_planes(outline.reshape(-1, 3), point, normal[planes.ravel()], offset[planes.ravel()]).reshape(outline.shape)
 
 
 def onto_planes(points: np.ndarray, point: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Points (n, 3), each moved the least way onto all of its planes, m.
+    """Points (n, 3), m, each moved by the shortest way onto all of its planes.
 
-    point (p,): the point of each plane with its normal (p, 3) and offset (p,), m.
+    point (p,): index of the point of each plane. normal (p, 3), offset (p,): the planes, offsets in m.
     """
     lack = offset - np.sum(normal * points[point], axis=1)
     matrix, right = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
@@ -88,7 +88,7 @@ def onto_planes(points: np.ndarray, point: np.ndarray, normal: np.ndarray, offse
 
 
 def _faces_of_edges(shape: Shape, corners: np.ndarray) -> np.ndarray | None:
-    """A face (n,) of a part along each edge of the outline, from each of its corners (n, 3) to the next; None where an edge has none."""
+    """A face (n,) of a part along each edge of the outline with these corners (n, 3); None where an edge has no face along it."""
     sides = list(_sides(shape))
     face, first, last = np.array([side[0] for side in sides]), np.array([side[1] for side in sides]), np.array([side[2] for side in sides])
     along = np.roll(corners, -1, axis=0) - corners
@@ -104,7 +104,7 @@ def _faces_of_edges(shape: Shape, corners: np.ndarray) -> np.ndarray | None:
 
 
 def _sides(shape: Shape) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Number of each face between front and back of all parts, and both ends of its edge at the front, in the order of the front."""
+    """Yield the number of each face between front and back, and both ends of its front edge, m, in the order of the front."""
     start = 0
     for part in shape.parts:
         front = part.vertices[: len(part.vertices) // 2]

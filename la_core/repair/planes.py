@@ -1,8 +1,8 @@
-"""Common planes of faces that face each other, as far as a tolerance allows.
+"""Common planes of opposite faces, within a tolerance.
 
 A bed joint lies on one plane, because every block of a course lies on several blocks below. So faces are gathered in
-groups: the pair that is most nearly parallel first, then every pair whose two groups still have a common plane, and at
-last faces that lie beside each other. The plane is fitted to the points half way between the faces.
+groups. The pair that is most nearly parallel comes first, then every pair whose two groups still fit a common plane, and
+finally faces that lie side by side. The plane is fitted to the points half way between the faces.
 """
 
 from dataclasses import dataclass
@@ -12,16 +12,18 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.repair.facing import Facing, face_areas
 
-OWN_CORNERS = 1e-3  # weight of the corners of the faces beside the points half way: they decide where an overlap is a mere strip
+OWN_CORNERS = 1e-3  # weight of the corners of the faces over the points half way: they decide the plane where an overlap is only a strip
 ROUNDS = 3  # a pair refused at first may fit once its groups have grown
-SAME_ANGLE = 0.01  # rad: pairs this near to each other in angle are ordered by the size of their overlap
+SAME_ANGLE = 0.01  # rad: pairs whose angles differ by less are ordered by the area of their overlap
 
 
 @dataclass
 class Group:
-    """Faces with a common plane, while groups grow; the sums are those of weighted points.
+    """Faces with a common plane, while groups grow.
 
-    What a group holds of each face and corner lies in arrays: one join of long groups then copies them, and loops over nothing.
+    weight, first (3,), second (3, 3): sum of the weights of its points, and their first and second moments. normal (3,), offset (m): the
+    plane. faces, corners (q, 3), limits (q,): faces, their corners, and the largest distance of each corner from the plane, m. They are
+    arrays, so that two long groups are joined without a loop.
     """
 
     weight: float
@@ -37,9 +39,9 @@ class Group:
 def planes_closing_most(
     parts: Blocks, owner: np.ndarray, pairs: Facing, twins: np.ndarray, limit: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Common planes as of `common_planes`, with or without the places of cuts within blocks, whichever closes more pairs.
+    """Common planes by `common_planes`, fitted with or without the cuts between parts of one block, whichever closes more pairs.
 
-    A cut that lies in line with a joint holds the plane where it was drawn. It may also keep the faces of a thin part in place.
+    A cut in line with a joint keeps the common plane where it was drawn. But it may also prevent the faces of a thin part from moving.
     owner: (P,), the block of each part; the other parameters are those of `common_planes`.
     """
     block = owner[parts.face_block]
@@ -58,20 +60,20 @@ def common_planes(
     parts : Blocks
         Convex parts with F faces.
     pairs : Facing
-        L pairs of faces that face each other.
+        L pairs of opposite faces.
     twins : (T, 2) array of int
         Pairs of faces of one block that lie on one plane and must stay there.
     limit : (F,) array
         Largest distance of the corners of each face from the common plane, m.
     idle : (L,) array of bool, optional
-        Pairs that follow the others on their plane: their own place does not count.
+        Pairs that have no influence on the plane of their group.
 
     Returns
     -------
     normal : (F, 3) array
-        Unit normal of each face, also of those that are in no group.
+        Unit normal of each face, also of faces in no group.
     offset : (F,) array
-        Offset of its plane, m.
+        Offset of the plane of each face, m.
     closed : (L,) array of bool
         Pairs that now lie on one plane.
     """
@@ -98,9 +100,9 @@ def common_planes(
 
 
 class _Groups:
-    """Groups of faces while they are joined; each has the number of one of its faces.
+    """Groups of faces while they are joined. The number of a group is the number of one of its faces.
 
-    members: faces (M,) that may be joined, each a group of its own at first. limit: as for `common_planes`.
+    members: faces (M,) that may be joined; each is a group of its own at first. limit: as for `common_planes`.
     """
 
     def __init__(self, parts: Blocks, members: np.ndarray, limit: np.ndarray) -> None:
@@ -108,12 +110,12 @@ class _Groups:
         self._parts = parts
         self._groups = {face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), areas, strict=True)}
         self._place = np.arange(len(parts.face_normal))  # group of each face
-        self._side = np.ones(len(self._place))  # sign of the normal of each face in the direction of its group's
+        self._side = np.ones(len(self._place))  # 1 where the normal of a face points as that of its group, else -1
 
     def join(self, face: int, other: int, sums: tuple[float, np.ndarray, np.ndarray], opposite: bool) -> bool:
-        """Join the groups of two faces where they have a common plane, and return whether the faces lie on one as they should.
+        """Join the groups of two faces if they fit a common plane. Return whether the faces lie on one plane with the stated directions.
 
-        sums: those of the points half way between the faces. opposite: whether their normals point against each other.
+        sums: weight, first and second moments of the points half way between the faces. opposite: whether the normals must be opposite.
         """
         number, merged = int(self._place[face]), int(self._place[other])
         one, two = self._groups[number], self._groups[merged]
@@ -130,7 +132,7 @@ class _Groups:
         return True
 
     def planes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the unit normal (F, 3) of every face and the offset (F,) of its plane; a face that was joined to none keeps its own."""
+        """Return the unit normal (F, 3) of every face and the offset (F,) of its plane, m; a face that was not joined keeps its plane."""
         normal, offset = self._parts.face_normal.copy(), self._parts.face_offset.copy()
         for group in self._groups.values():
             if len(group.faces) > 1:
@@ -147,7 +149,7 @@ def _single(parts: Blocks, face: int, area: float, limit: float) -> Group:
 
 
 def _joined(one: Group, two: Group, sums: tuple[float, np.ndarray, np.ndarray]) -> Group | None:
-    """Both groups on one plane, or None where a corner would lie too far from it; sums: those of the points half way between them."""
+    """Both groups on one plane, or None where a corner would lie farther from it than its limit. sums: as in `_Groups.join`."""
     weight, first, second = one.weight + two.weight + sums[0], one.first + two.first + sums[1], one.second + two.second + sums[2]
     centre = first / weight
     faces, corners, limits = (np.concatenate([getattr(group, name) for group in (one, two)]) for name in ("faces", "corners", "limits"))

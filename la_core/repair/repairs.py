@@ -1,4 +1,4 @@
-"""What was changed in the geometry of a scene, and what could not be repaired."""
+"""Changes that a repair made in the geometry of a scene, and places that it could not repair."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -8,17 +8,17 @@ from typing import Any
 class Unclosed:
     """A place that the repair leaves open, between two blocks.
 
-    Two faces lie opposite each other within the tolerance, but could not be brought onto one plane; or they were a little too far apart for
-    it; or they lost most of their joint as a corner was cut; or an overlap is too deep to cut.
+    There are four cases. Two opposite faces lie within the tolerance, but could not be brought onto one plane. Two opposite faces lie a
+    little too far apart. Two faces lost most of their joint when a corner was cut. An overlap is too deep to cut.
 
     Attributes
     ----------
     blocks : tuple of str
         Names of both blocks.
     vertex : tuple of float
-        The corner of the gap that is farthest from closed, m; the middle of an overlap.
+        Corner of the gap at which the faces are farthest apart, m; for an overlap that is too deep, its middle.
     gap : float
-        Distance between the faces there, m; negative for an overlap: minus its depth.
+        Distance between the faces at that corner, m; for an overlap, minus its depth.
     """
 
     blocks: tuple[str, str]
@@ -35,23 +35,23 @@ class Repairs:
     tolerance : float
         Tolerance of the scene, m.
     joint_width : float
-        Greatest width of the open joints of drawings that are closed, m.
+        Largest width of the open joints of drawings that are closed, m.
     largest_move : float
         Largest displacement of a vertex, m.
     moved_block : str
         Block of that vertex; "" where no vertex moved.
     gaps_closed, overlaps_closed : int
-        Pairs of faces brought onto one plane, that were apart and that overlapped.
+        Number of pairs of faces brought onto one plane: of pairs with a gap, and of pairs that overlapped.
     overlaps_cut : int
-        Corners cut from blocks that overlapped another block.
+        Number of cuts of blocks that overlapped another block.
     deepest_cut : float
-        Most that was cut from a corner, m.
+        Depth of the deepest cut, m.
     shortest_joint : float
-        Joints shorter than this are dropped, m.
+        Length below which joints are dropped, m.
     unclosed : tuple of Unclosed
-        What could not be repaired.
+        Places that could not be repaired.
     made_convex : int
-        Bodies of meshes of which dents were filled within the tolerance.
+        Number of bodies of meshes whose dents were filled within the tolerance.
     """
 
     tolerance: float
@@ -67,5 +67,5 @@ class Repairs:
     deepest_cut: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
-        """The same as plain values."""
+        """All attributes by name, as plain values."""
         return asdict(self)

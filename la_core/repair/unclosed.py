@@ -1,4 +1,4 @@
-"""Places that a repair leaves open: faces that stay apart, and joints of which less is left than the errors of their edges explain."""
+"""Places that a repair leaves open: faces that stay apart, and joints that lost more area than the errors of their edges explain."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,13 +8,16 @@ from la_core.geometry import Blocks, joint_areas, next_corners, owners
 from la_core.repair.facing import Facing, facing_faces
 from la_core.repair.repairs import Unclosed
 
-WIDER = 1.5  # over the greatest distance at which faces are brought together: a gap a little wider than that is seldom meant
+WIDER = 1.5  # over the greatest distance at which faces are brought together: a gap that is only a little wider is seldom meant
 
 
 def unclosed(
     names: Sequence[str], parts: Blocks, owner: np.ndarray, pairs: Facing, is_open: np.ndarray, tolerance: float
 ) -> list[Unclosed]:
-    """The open ones of the pairs (L,) of faces whose joint would be wider than twice the tolerance (m), the widest gap first."""
+    """Open pairs of faces of different blocks whose joint would be wider than twice the tolerance (m), the widest gap first.
+
+    pairs: L pairs of faces. is_open: mask (L,) of the pairs that stay open.
+    """
     widest = pairs.widest
     blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
     open_pairs = np.flatnonzero(is_open & (_widths(pairs) > 2.0 * tolerance) & (blocks[0] != blocks[1]))
@@ -32,10 +35,10 @@ def unclosed(
 def lost_joints(
     names: Sequence[str], parts: Blocks, owner: np.ndarray, reach: np.ndarray, left: Blocks, tolerance: float
 ) -> Iterator[Unclosed]:
-    """Yield two blocks once where faces of them lay opposite each other, and they share much less area in the end.
+    """Yield each pair of blocks once whose faces lay opposite each other, but which share much less area after the repair.
 
-    Where a corner is cut, the cut may go on through the joint beside it; and faces may lie a little too far apart to be brought together.
-    Errors of the edges of a joint take a strip along them, no wider than the reach.
+    The cut of a corner may continue through the joint beside it, or faces may lie a little too far apart to be brought together. Errors of
+    the edges of a joint remove at most a strip along the edges that is as wide as the reach.
 
     Parameters
     ----------
@@ -76,7 +79,7 @@ def _perimeters(pairs: Facing) -> np.ndarray:
 
 
 def _widths(pairs: Facing) -> np.ndarray:
-    """Width (L,) of that polygon, m: the shorter side of the rectangle with its area and perimeter, whatever its direction."""
+    """Width (L,) of the polygon of `_perimeters`, m: the shorter side of the rectangle with this area and perimeter."""
     quarter = _perimeters(pairs) / 4.0
     return np.asarray(quarter - np.sqrt(np.maximum(quarter**2 - pairs.area, 0.0)))
 
