@@ -171,13 +171,14 @@ class Blocks:
 
 
 class Held:
-    """Base of a frozen dataclass that nobody changes in place either: its arrays and tables, and arrays of records in it, are read-only.
+    """Base of a frozen dataclass with read-only contents: its arrays and tables, and the arrays of records in it.
 
-    So they are in copies, and in what another process unpickles. With `repr=False` it shows itself in one line.
+    They stay read-only in copies, and after unpickling in another process. With `repr=False` the object shows itself in one line.
     """
 
     def __post_init__(self) -> None:
-        others = (value for value in vars(self).values() if is_dataclass(value) and not isinstance(value, Held))  # which see to their own
+        # A record derived from Held has already protected its own arrays.
+        others = (value for value in vars(self).values() if is_dataclass(value) and not isinstance(value, Held))
         records = [self, *others]
         for array in (value for record in records for value in vars(record).values() if isinstance(value, np.ndarray)):
             array.setflags(write=False)
@@ -215,7 +216,7 @@ def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndar
 
 
 def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Outward unit normal (F, 3) and offset (F,), m, of every face, on the mean of its corners."""
+    """Outward unit normal (F, 3) and offset (F,), m, of the plane of every face, through the mean of its corners."""
     corners, face = _triangles(face_vertex, face_start)
     a, b, c = (vertices[corners[:, k]] for k in range(3))
     normal = np.zeros((len(face_start) - 1, 3))
@@ -239,7 +240,7 @@ def _mass_properties(
     a, b, c = (vertices[corners[:, k]] - origin[block] for k in range(3))
     six_volumes = np.sum(a * np.cross(b, c), axis=1)
     total = a + b + c
-    # Integrals over a tetrahedron (0, a, b, c): of x, det/24 (a+b+c); of x x', det/120 (ss' + aa' + bb' + cc').
+    # Over a tetrahedron (0, a, b, c), with s = a+b+c, det = a . (b x c): integral of x, det/24 s; of x x', det/120 (ss' + aa' + bb' + cc').
     volume, first, second = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
     np.add.at(volume, block, six_volumes / 6.0)
     np.add.at(first, block, six_volumes[:, None] * total / 24.0)

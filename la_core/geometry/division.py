@@ -1,7 +1,7 @@
 """Division of a profile that is not convex into convex parts.
 
-From a corner that turns inwards a straight cut leads to another corner or to an edge, such that the corner turns
-inwards on neither side of it. The shortest of these cuts is taken; a cut that ends at a second inward corner
+A straight cut leads from a corner that turns inwards to another corner or to an edge. The first corner then turns
+inwards on neither side of the cut. The shortest of these cuts is taken; a cut that ends at a second inward corner
 counts half its length. Both sides are divided further. Every cut removes an inward corner and makes none, so the
 division ends.
 """
@@ -10,11 +10,14 @@ import numpy as np
 
 FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
 AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
-MOST_AT_A_TIME = 1_000_000  # rays times edges, so that they need little memory
+MOST_AT_A_TIME = 1_000_000  # rays times edges that are computed together, to save memory
 
 
 def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
-    """Convex parts (m, 2) of a simple profile (n, 2) whose corners turn to the left; a convex profile is its own part."""
+    """Convex parts (m, 2) of a simple profile (n, 2) whose corners turn to the left; a convex profile is its own part.
+
+    Raises ValueError for a profile that cannot be divided.
+    """
     left, parts = [profile], []
     while left:
         points = without_straight_corners(left.pop())
@@ -30,9 +33,9 @@ def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
 
 
 def without_straight_corners(points: np.ndarray, flatness: float = FLATNESS) -> np.ndarray:
-    """The profile (n, 2) without corners that lie on the line between their neighbours, or twice on one point.
+    """The profile (n, 2) without corners that lie on the line between their neighbours, and without repeated corners.
 
-    flatness: distance from the line that counts as none, over the size of the profile.
+    flatness: largest distance from the line at which a corner lies on it, over the size of the profile.
     """
     size = np.ptp(points, axis=0).max()
     while len(points) > 2:
@@ -41,7 +44,7 @@ def without_straight_corners(points: np.ndarray, flatness: float = FLATNESS) -> 
         straight = np.abs(_turns(points)) <= flatness * size * reach
         if not straight.any():
             break
-        # Only one goes at a time: without it, its neighbours must be judged anew.
+        # One corner is removed at a time, because its neighbours must then be tested again.
         first = int(np.argmax(straight))
         points = np.delete(points, first, axis=0)
     return points
@@ -76,7 +79,7 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
 
 
 def _resolves(points: np.ndarray, inward: np.ndarray, corner: int, end: np.ndarray) -> bool:
-    """Whether a cut from a corner ends at an inward one (2,) and leaves it inward on neither side; else a sliver must be cut off there."""
+    """Whether a cut from a corner ends at an inward corner (2,) that it leaves inward on neither side. Otherwise a sliver is left there."""
     for met in inward[(points[inward] == end).all(axis=1)].tolist():
         arm, edge_in, edge_out = points[corner] - end, end - points[met - 1], points[(met + 1) % len(points)] - end
         slack = FLATNESS * np.ptp(points, axis=0).max()
@@ -86,7 +89,7 @@ def _resolves(points: np.ndarray, inward: np.ndarray, corner: int, end: np.ndarr
 
 
 def _cuts_from(points: np.ndarray, corner: int) -> list[tuple[float, int, np.ndarray]]:
-    """Cuts from a corner that turn inwards on neither side: length, edge where each ends, and end (2,)."""
+    """Cuts from a corner that leave it inward on neither side: length of each cut, edge at which it ends, and end point (2,)."""
     origin, size = points[corner], np.ptp(points, axis=0).max()
     edge_in, edge_out = origin - points[corner - 1], points[(corner + 1) % len(points)] - origin
     directions = np.concatenate([[edge_in, -edge_out], points - origin])
@@ -124,7 +127,7 @@ def _first_hits(points: np.ndarray, corner: int, directions: np.ndarray, size: f
 def _ends(
     points: np.ndarray, corner: int, directions: np.ndarray, edges: np.ndarray, distances: np.ndarray, size: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Edges and ends (d, 2) of the cuts from a corner that meet an edge; an end near a corner is that corner, on the edge before it."""
+    """Edges (d,) and ends (d, 2) of the cuts that meet an edge. An end near a corner moves to this corner, on the edge before it."""
     met = edges >= 0
     edges, following = edges[met], (edges[met] + 1) % len(points)
     ends = points[corner] + distances[met, None] * directions[met]

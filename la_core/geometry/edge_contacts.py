@@ -1,4 +1,4 @@
-"""Blocks that touch along an edge or at a corner alone, which makes no joint."""
+"""Blocks that touch only along an edge or at a corner. Such a contact is no joint."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from la_core.geometry.interfaces import gaps, overlaps
 from la_core.geometry.polygons import group_members, next_corners, owners
 from la_core.geometry.touching import touching_faces
 
-SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and a block this close to its place reaches it
+SAME = 10.0  # over the tolerance of a contact: a shorter contact is at a corner, and a block this close to a contact reaches it
 
 
 @dataclass(frozen=True)
 class EdgeContacts:
-    """Pairs of blocks that touch, but share no face, where no blocks with joints to them and each other fill the place.
+    """Pairs of blocks that touch but share no face, where no blocks at the same place connect them by joints.
 
     Attributes
     ----------
@@ -32,10 +32,10 @@ class EdgeContacts:
 
 
 def edge_contacts(blocks: Blocks) -> EdgeContacts:
-    """Find the pairs of blocks that touch along an edge or at a corner alone.
+    """Find the pairs of blocks that touch only along an edge or at a corner.
 
-    Where courses cross, as in a stack bond, blocks across from each other touch so, too: joints lead from one to the other by the blocks
-    beside them, and nothing is missing there. Such pairs are left out, and so are blocks that share volume: the model refuses these.
+    Where courses cross, as in a stack bond, opposite blocks touch in this way, too. Joints connect them through the blocks beside them,
+    so no joint is missing, and such pairs are left out. Blocks that share volume are left out, too, because the model refuses them.
     """
     parts, owner, found = blocks.parts, blocks.part_block, touching_faces(blocks)
     pairs, tolerance, joined = found.near, found.tolerance, _both_ways(owner[found.parts])
@@ -74,7 +74,7 @@ def _are_among(pairs: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _shared_box(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bounding box, as two corners (P, 3), m, of the parts of the edges of two convex blocks within the other; infinite without any."""
+    """Bounding box, as two corners (P, 3), m, of the pieces of edges of each block of a pair within the other; infinite without pieces."""
     low, high = np.full((len(pairs), 3), np.inf), np.full((len(pairs), 3), -np.inf)
     for two in (pairs, pairs[:, ::-1]):
         row, ends = _edges_within(parts, two, tolerance)
@@ -112,7 +112,7 @@ def _edges_within(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tu
 
 
 def _filled(blocks: Blocks, joined: np.ndarray, pairs: np.ndarray, place: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Whether joints lead from one block of a pair (P, 2) of parts to the other by at most two blocks that reach the place (P, 3).
+    """Mask (P,) of the pairs (P, 2) of parts whose blocks are connected by joints through one or two blocks that reach the place (P, 3).
 
     Where three planes of joints cross, opposite blocks meet at a corner, and two blocks lie between them.
     """

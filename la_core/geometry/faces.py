@@ -1,4 +1,4 @@
-"""Blocks near each other, and faces of convex blocks: pairs that may lie opposite each other, and their overlaps."""
+"""Pairs of blocks near each other, pairs of faces of convex blocks that may lie opposite each other, and overlaps of such faces."""
 
 import numpy as np
 import shapely
@@ -10,8 +10,8 @@ from la_core.geometry.polygons import group_members, overlap_of, plane_axes, pol
 def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
     """Pairs (P, 2) of blocks, a < b, whose bounding boxes touch when each is enlarged by its block's margin (B,), m.
 
-    A tree of rectangles finds the boxes that touch in two directions; the third, along which the fewest blocks follow each
-    other, is compared for these alone. A wall has one or two leaves in its thickness, so that the search grows as N log N.
+    A tree of rectangles finds the boxes that touch in two directions. The third direction is compared for these boxes only: the one
+    along which the fewest blocks follow each other. A wall has one or two leaves in its thickness, so the search grows as N log N.
     """
     low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
     follow = (high.max(axis=0) - low.min(axis=0)) / np.median(high - low, axis=0)
@@ -36,7 +36,10 @@ def near_parts(blocks: Blocks, share: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def face_pairs(blocks: Blocks, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Every face of the first with every face of the second block of pairs (P, 2): the pair of each, and its two faces."""
+    """Combine every face of the first block with every face of the second block of pairs (P, 2).
+
+    Returns the pair of each combination, its face of the first block, and its face of the second block, (K,) each.
+    """
     face_start = blocks.part_face_start
     counts = np.diff(face_start)
     pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
@@ -49,7 +52,8 @@ def opposite_faces(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Face pairs that may be closer than `tolerance` (P,), m, at an angle of at most `angle`, rad.
 
-    Returns the pair of blocks that each belongs to, the face of its first block and of its second block. size: (B,), m, of the blocks.
+    Returns the pair of blocks of each face pair, its face of the first block, and its face of the second block. size: (B,), size of the
+    blocks, m.
     """
     pair, face_a, face_b = face_pairs(blocks, pairs)
     normal_a, normal_b = blocks.face_normal[face_a], blocks.face_normal[face_b]
@@ -68,7 +72,7 @@ def face_corners(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def face_polygons(blocks: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Faces (N,) as polygons, seen along the normals of the faces `plane` (N,), from the first corners of these."""
+    """Faces (N,) as polygons in the planes of the faces `plane` (N,), whose first corners are the origins."""
     first, second = plane_axes(blocks.face_normal[plane])
     origin = blocks.vertices[blocks.face_vertex[blocks.face_start[plane]]]
     row, corners = face_corners(blocks, face)
@@ -80,10 +84,10 @@ def face_polygons(blocks: Blocks, face: np.ndarray, plane: np.ndarray) -> np.nda
 def face_overlaps(
     blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Overlaps of face pairs in the plane of face a that are wider than `tolerance`, m, one for each pair.
+    """Overlaps of face pairs in the plane of face a that are wider than `tolerance` (N,), m.
 
-    Returns the indices of these pairs, the corners (Q, 3) of their overlaps, the overlap of each corner (Q,), and the largest
-    distance of the other face from the corners of each overlap, m: nearly coplanar faces touch only if they are close at every corner.
+    Returns the indices of the pairs with such an overlap, the corners (Q, 3) of the overlaps, m, the overlap of each corner (Q,), and the
+    largest distance of face b from the corners of each overlap, m. Nearly coplanar faces touch only if they are close at every corner.
     """
     first, second = plane_axes(blocks.face_normal[face_a])
     origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]

@@ -20,7 +20,7 @@ from la_core.geometry.touching import OPPOSITE, TOUCH, touching_faces  # noqa: F
 CLOSED_BY = "[geometry] tolerance closes gaps of up to twice the tolerance, and `joints` of a [[drawing]] its mortar"
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
 NO_GAP = 1e-9  # m
-MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and of which it says how deep they are
+MOST_NAMED, MOST_SOUGHT = 4, 300  # overlaps that one message names, and overlaps whose depth is computed for it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,9 +79,9 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
 
 
 def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
-    """The interfaces with those that lie side by side on one plane, between the same two blocks, joined where this stays convex.
+    """Join interfaces that lie side by side on one plane between the same two blocks, where the joined interface is convex.
 
-    tolerance: (I,) array, m. Only compound blocks have such interfaces: their faces are cut where their parts meet.
+    tolerance: (I,), largest distance of such interfaces, m. Only compound blocks have them, because their parts divide their faces.
     """
     offset = np.sum(found.polygon[found.polygon_start[:-1]] * found.normal, axis=1)
     groups: dict[tuple[int, int], list[int]] = {}
@@ -110,9 +110,9 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
 
 
 def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, list[int]]:
-    """Loop (n, 3) around the first of some polygons on one plane and those that are connected with it, and the indices of these.
+    """Corners (n, 3), m, of the union of the first of several polygons on one plane with those connected to it, and their indices.
 
-    The loop is that of the first polygon alone where their union is not convex.
+    Where the union is not convex, the corners are those of the first polygon, and there are no indices.
     """
     (first,), (second,) = plane_axes(normal[None])
     origin = corners[0][0]
@@ -130,7 +130,7 @@ def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> t
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    """Raise SceneError for blocks that overlap: the first pair, and others that a reader can mend with it."""
+    """Raise SceneError for blocks that overlap. The message names the first pair, and others that a reader can correct with it."""
     found: dict[tuple[str, str], tuple[float, tuple[float, float, float]]] = {}
     is_hole, sought = False, overlaps(blocks, pairs, tolerance)
     for a, b, depth, middle in islice(sought, MOST_SOUGHT):
@@ -143,7 +143,7 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     (pair, (depth, _)), *others = found.items()
     more = ", ".join(f'"{one}" and "{other}" by {far:.3g} m' for (one, other), (far, _) in others[: MOST_NAMED - 1])
     rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}" if more else "")
-    if unnamed := [far for _, (far, _) in others[MOST_NAMED - 1 :]]:  # the deepest says which tolerance would remove all
+    if unnamed := [far for _, (far, _) in others[MOST_NAMED - 1 :]]:  # the deepest overlap gives the tolerance that would remove all
         least = "" if next(sought, None) is None else "at least "
         rule += f", and {least}{len(unnamed)} other{'s' * (len(unnamed) > 1)} by up to {max(unnamed):.3g} m"
     hint = "blocks may touch but not share volume"
@@ -202,7 +202,7 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
 
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
-    """The nearest pair of a block in `some` and one in `others` (indices), its gap, and how a gap as wide as mortar is closed."""
+    """A sentence about the nearest pair of a block in `some` and one in `others` (indices): their gap, and how to close a mortar joint."""
     one, near, gap = _nearest(blocks.parts, *(np.flatnonzero(np.isin(blocks.part_block, group)) for group in (some, others)))
     told = f'"{blocks.names[blocks.part_block[near]]}" is nearest to "{blocks.names[blocks.part_block[one]]}"'
     if gap <= NO_GAP:
@@ -213,7 +213,7 @@ def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
 
 
 def _nearest(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> tuple[int, int, float]:
-    """The nearest pair of convex blocks and its gap, m, as `gaps` takes it."""
+    """The nearest pair of a convex block in `some` and one in `others` (indices), and its gap by `gaps`, m."""
     low, high = blocks.low, blocks.high
 
     def boxes_apart(one: int) -> np.ndarray:
@@ -242,7 +242,7 @@ def gaps(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
 
 
 def _distance(apart: np.ndarray) -> np.ndarray:
-    """Distance (P,), m, of boxes that are so far apart along each axis (P, 3); negative where they overlap along it."""
+    """Distance (P,), m, of boxes from their gaps along the axes (P, 3), m; a gap is negative where the boxes overlap along its axis."""
     return np.asarray(np.linalg.norm(np.maximum(apart, 0.0), axis=1))
 
 

@@ -1,4 +1,4 @@
-"""Joints that are missing because their faces nearly touch, as coordinates with too few digits make them."""
+"""Missing joints between faces that nearly touch, as faces do where coordinates have too few digits."""
 
 from dataclasses import dataclass
 
@@ -9,20 +9,20 @@ from la_core.geometry.faces import face_corners, face_overlaps, near_parts, oppo
 from la_core.geometry.polygons import polygon_areas
 from la_core.geometry.touching import TOUCH, touching_faces
 
-ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
-ANGLE = 3e-3  # rad: between faces with such a gap at one end
+ALL_BUT = 1e-3  # of the smaller block's size: a gap this narrow is seldom intended
+ANGLE = 3e-3  # rad: largest angle between faces with such a gap at one end
 
 
 @dataclass(frozen=True)
 class MissedJoints:
-    """Pairs of blocks of which two faces nearly touch, but share no interface there. Bent faces may share one beside.
+    """Pairs of blocks with two faces that nearly touch, but share no interface there. Bent faces may share an interface beside the gap.
 
     Attributes
     ----------
     pairs : (P, 2) array of int
         The blocks; at least one of them is free.
     gap : (P,) array
-        Largest distance between the two faces where they are opposite, m; they may also overlap by so much.
+        Largest distance between the two faces where they are opposite, m. The blocks may also overlap by this distance.
     """
 
     pairs: np.ndarray
@@ -36,10 +36,10 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
     pairs = pairs[parts.free[pairs].any(axis=1)]
     smaller = np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
     pair, face_a, face_b = opposite_faces(parts, pairs, ALL_BUT * smaller, size, ANGLE)
-    # Nearly all faces lie on one plane, touch, and need not be compared. Half of TOUCH: corners of a bent face do not lie on its plane.
+    # Nearly all face pairs lie on one plane and need no comparison. Half of TOUCH is the limit: corners of a bent face lie off its plane.
     off_plane = _largest_distance(parts, face_a, face_b) > 0.5 * TOUCH * smaller[pair]
     pair, face_a, face_b = pair[off_plane], face_a[off_plane], face_b[off_plane]
-    # A narrower overlap is no joint: where four corners meet, those across from each other overlap by the error of the coordinates.
+    # A narrower overlap is no joint: where four blocks meet in a corner, opposite blocks overlap by the error of the coordinates.
     overlap, _, _, gap = face_overlaps(parts, face_a, face_b, ALL_BUT * smaller[pair])
     both, smaller = owner[pairs[pair[overlap]]] @ np.array([len(blocks), 1]), smaller[pair[overlap]]  # one number for each pair of blocks
     missed = (gap > TOUCH * smaller) & (gap <= ALL_BUT * smaller)
@@ -49,7 +49,7 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
 
 
 def joint_areas(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
-    """The two blocks (J, 2) of every joint between convex parts of different blocks, and its area (J,), m2; blocks may overlap."""
+    """The two blocks (J, 2) of every joint between convex parts of different blocks, and the joint's area (J,), m2; blocks may overlap."""
     found = touching_faces(blocks)
     return blocks.part_block[found.parts], polygon_areas(found.corners, found.start, blocks.parts.face_normal[found.face_a])
 

@@ -1,8 +1,8 @@
 """Contact points at the corners of interfaces, drawn in from their edges by the inset.
 
-The inset is that of the scene, except in short joints. Where a joint is shorter than four insets, its points lie at a
-quarter of its length, so that one short joint does not make the inset of all others small. A joint shorter than half
-an inset is no joint: a worn edge, which the inset stands for, would have removed it.
+All joints have the inset of the scene, except short joints. Where a joint is shorter than four insets, its points lie at a
+quarter of its length, so that one short joint does not reduce the inset of all others. A joint shorter than half an inset
+is no joint, because the inset represents worn edges, and such wear would have removed the joint.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ from la_core.geometry.polygons import owners, plane_axes, polygons_of, true_corn
 
 SHORT = 0.5  # largest inset over the room of a joint, half its length: the points of a short joint lie at its quarters
 SLIVER = 0.25  # least room of a joint over the inset
-RADIUS_HALVINGS = 20  # of the interval in which an inner radius is searched: a millionth of it is left
+RADIUS_HALVINGS = 20  # halvings of the interval in which an inner radius is searched: a millionth of the interval is left
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,7 +50,7 @@ class ContactPoints(Held):
 
 
 def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.ndarray, inset: float, plane: bool) -> ContactPoints:
-    """Lay contact points at the corners of each interface.
+    """Place contact points at the corners of each interface.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.
     Raises
     ------
     SceneError
-        The inset is too large for more than half of the interfaces.
+        The inset is too large for at least half of the interfaces.
     """
     if inset > 0.0:
         room = joint_rooms(interfaces, plane, inset / SHORT)
@@ -98,7 +98,7 @@ def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane:
 
 
 def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarray:
-    """Room (I,) of each interface, m: half its length in the plane, the radius of its largest circle in space.
+    """Room (I,) of each interface, m: half its length in the plane, the radius of its largest inscribed circle in space.
 
     In space, a room of more than `largest` (m) counts as `largest`.
     """
@@ -131,7 +131,7 @@ def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 
 
 def _depths(interfaces: Interfaces) -> np.ndarray:
-    """Extent (I,) of each interface of a plane structure across its plane, m: YADE and the check in space have points there, too."""
+    """Depth (I,) of each interface of a plane structure along y, m, along which YADE and the check in space place points, too."""
     start, across = interfaces.polygon_start[:-1], interfaces.polygon[:, 1]
     return np.maximum.reduceat(across, start) - np.minimum.reduceat(across, start)
 
@@ -164,7 +164,7 @@ def _solid_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray
 
 
 def _refuse_large(blocks: Blocks, interfaces: Interfaces, room: np.ndarray, inset: float) -> None:
-    """Raise SceneError where the inset is more than the middle one of all rooms (I,), m: most joints would count as short."""
+    """Raise SceneError where the inset is at least the lower median of all rooms (I,), m: half of the joints or more would be too short."""
     middle = int(np.argsort(room, kind="stable")[(len(room) - 1) // 2]) if len(room) else 0
     if len(room) and room[middle] <= inset:
         a, b = blocks.names[interfaces.block_a[middle]], blocks.names[interfaces.block_b[middle]]

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-ROUND_OFF = 1e-9  # of the length around two polygons
+ROUND_OFF = 1e-9  # of the perimeters of two polygons together
 
 
 def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -18,7 +18,7 @@ def owners(start: np.ndarray) -> np.ndarray:
 
 
 def next_corners(start: np.ndarray) -> np.ndarray:
-    """Row (Q,) of the corner after each corner, where loop i has the rows start[i]:start[i + 1]; its first one follows its last."""
+    """Row (Q,) of the corner after each corner, where loop i has the rows start[i]:start[i + 1]; its first corner follows its last."""
     loop = owners(start)
     row = np.arange(len(loop))
     return np.where(row == start[1:][loop] - 1, start[loop], row + 1)
@@ -52,13 +52,13 @@ def ring_corners(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Intersections (N,) of convex polygons (N,) with convex polygons (N,), also where they meet in an edge but for round-off.
+    """Intersections (N,) of convex polygons (N,) with convex polygons (N,), also of polygons that meet in an edge within round-off.
 
-    There GEOS may return one of the two polygons whole, or points alone where they share a part of an edge. Its answers are therefore
-    held against the areas of the polygons that half-planes cut, which take the place of wrong ones.
+    For these, GEOS may return one of the two polygons as a whole, or only points where they share a part of an edge. The areas of its
+    answers are therefore compared with those of polygons cut by half-planes, which replace wrong answers.
     """
     found = np.asarray(shapely.intersection(first, second))
-    cut = _cut(shapely.convex_hull(first), shapely.convex_hull(second))  # corners of bent faces may lie within them by round-off
+    cut = _cut(shapely.convex_hull(first), shapely.convex_hull(second))  # corners of bent faces may lie inside the face by round-off
     size = shapely.length(first) + shapely.length(second)
     moved = ROUND_OFF * size * (shapely.length(found) + shapely.length(cut))  # area that round-off of the corners may change
     is_polygon = shapely.get_type_id(found) == shapely.GeometryType.POLYGON
@@ -75,7 +75,7 @@ def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     corners, _, start = _counterclockwise(second)
     counts, done = np.diff(start), []
     for k in range(counts.max(initial=0)):
-        left = k < counts[row]  # those whose second polygon has no further edge are cut
+        left = k < counts[row]  # polygons whose second polygon has no further edge are finished
         done.append((flat[~left], row[~left]))
         flat, row = flat[left], row[left]
         tail, head = corners[start[row] + k], corners[start[row] + (k + 1) % counts[row]]
@@ -98,7 +98,7 @@ def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _counterclockwise(polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners (Q, 2) of polygons (N,) counterclockwise, the polygon (Q,) of each, and where it starts (N + 1,)."""
+    """Corners (Q, 2) of polygons (N,) counterclockwise, the polygon (Q,) of each corner, and the first corner of each polygon (N + 1,)."""
     turned = shapely.is_ccw(shapely.get_exterior_ring(polygons))
     flat, row = ring_corners(np.where(turned, polygons, shapely.reverse(polygons)))
     return flat, row, np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(polygons)))])

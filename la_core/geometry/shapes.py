@@ -11,14 +11,14 @@ from la_core.errors import SceneError
 from la_core.geometry.division import FLATNESS, convex_parts, without_straight_corners
 from la_core.geometry.polygons import plane_axes
 
-ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
-STEEP = 0.1  # sine of the angle to a face from which on an edge leads away from it, however short it is
-PLANE_CUTS = 1e-7  # of the size: distance of a back from an affine image of the front
-# Shares of the flatness that are tried, until each part of the surface belongs to one face: narrow facets of a curve lie within the
-# flatness of several.
+ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which then still has four digits
+STEEP = 0.1  # sine of the angle to a face: a steeper edge leads away from the face, however short it is
+PLANE_CUTS = 1e-7  # of the size: largest distance of a back from an affine image of the front
+# Shares of the flatness that are tried in turn, until each part of the surface belongs to one face only: narrow facets of a curve lie
+# within the flatness of several faces.
 FLATTER = (1.0, 1e-2, 1e-4)
-# Largest volume between bent faces and the hull, over flatness and surface: of 3,000 inexact boxes, prisms and frusta that needed no other
-# flatness 0.21 at most; of a ball of 60 x 60 corners, whose facets were counted twice, 3.8.
+# Largest volume between bent faces and the hull, over flatness times surface. It was at most 0.21 for 3,000 inexact boxes, prisms and
+# frusta that needed no other flatness, and 3.8 for a ball of 60 x 60 corners, whose facets were counted twice.
 BENT = 0.4
 SAME_VOLUME = 1e-6  # of the volume: a difference that changes no weight
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
@@ -37,8 +37,8 @@ class Shape:
     part_sizes : tuple of pairs of int
         Number of vertices and of faces of each convex part; () where there is one part.
     outline : (2, n, 3) array or None
-        Corners of the front and of the back of a body of several parts between the two, each front counter-clockwise seen from outside, m;
-        None for any other body.
+        Corners of the front and of the back, m, of a body of several parts between front and back. The front is counter-clockwise seen from
+        outside. None for any other body.
     """
 
     vertices: np.ndarray
@@ -119,7 +119,7 @@ def divided_loft(front: np.ndarray, back: np.ndarray, normal: np.ndarray) -> Sha
     """Body between two plane outlines of n corners each, `front` and `back` (n, 3), m; a compound where the outlines are not convex.
 
     `front` is counter-clockwise seen from outside, where its unit normal (3,) points. Raises ValueError where it crosses itself, and where
-    `back` is no affine image of it: the cuts would not be plane.
+    `back` is no affine image of it, because the cuts would not be plane.
     """
     flat = (front - front[0]) @ np.concatenate(plane_axes(normal[None])).T
     if not (shapely.Polygon(flat).is_valid and shapely.LinearRing(flat).is_ccw):
@@ -133,7 +133,7 @@ def divided_loft(front: np.ndarray, back: np.ndarray, normal: np.ndarray) -> Sha
 
 
 def _on_both(part: np.ndarray, flat: np.ndarray, sides: Sequence[np.ndarray], maps: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Corners (m, 2) of a part, as (m, 3) on front and back, m; those where cuts end lie on both as the corners of the outline do."""
+    """Corners (m, 2) of a part mapped to front and back, (m, 3) each, m. Corners of the outline `flat` keep their exact places on both."""
     both = [np.column_stack([part, np.ones(len(part))]) @ to_side for to_side in maps]
     corner, of_outline = np.nonzero((part[:, None] == flat[None]).all(axis=2))
     for points, side in zip(both, sides, strict=True):
@@ -166,7 +166,7 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
 
 # The type is in quotes, so that scipy.spatial is loaded only where a body needs it.
 def _faces(hull: "scipy.spatial.ConvexHull", flatness: float) -> list[tuple[int, ...]]:
-    """Loops of points that lie on one plane of a hull."""
+    """Loop of vertices of each face of a hull, where facets on one plane are one face."""
     edges = hull.points[hull.simplices[:, 1:]] - hull.points[hull.simplices[:, :1]]
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face gives its plane best
@@ -180,7 +180,7 @@ def _faces(hull: "scipy.spatial.ConvexHull", flatness: float) -> list[tuple[int,
 
 
 def _volume(points: np.ndarray, faces: list[tuple[int, ...]]) -> float:
-    """Volume between plane faces: of the pyramids over them."""
+    """Volume between plane faces: the sum of the pyramids from the origin to the faces."""
     volume = 0.0
     for face in faces:
         arms = points[list(face[1:])] - points[face[0]]
@@ -189,21 +189,21 @@ def _volume(points: np.ndarray, faces: list[tuple[int, ...]]) -> float:
 
 
 def _corners_on(plane: np.ndarray, points: np.ndarray, vertices: np.ndarray, flatness: float) -> np.ndarray:
-    """The vertices (indices into points) within `flatness` of a plane (4,), without those that lie behind others of them.
+    """The vertices (indices into points) within `flatness` of a plane (4,), without vertices behind other ones.
 
-    Where a body is thinner than that, as a sheet or the tip of a wedge, its far side would be taken for a part of this face.
+    Where a body is thinner than `flatness`, as a sheet or the tip of a wedge, its far side would otherwise count as a part of this face.
     """
     depth = -(points[vertices] @ plane[:3] + plane[3])
     near = np.abs(depth) <= flatness
     corners, depth = vertices[near], depth[near]
     deeper = depth[:, None] - depth[None, :]
     apart = np.linalg.norm(points[corners][:, None] - points[corners][None, :], axis=2)
-    is_behind = (deeper > STEEP * apart) & (deeper > 0.0)  # of a corner that is less deep, along a line that leads away from the plane
+    is_behind = (deeper > STEEP * apart) & (deeper > 0.0)  # behind a less deep corner, on a line that leads away from the plane
     return np.asarray(corners[~is_behind.any(axis=1)])
 
 
 def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tuple[int, ...]:
-    """Corners of a face counter-clockwise about its outward normal, without those within it; none where they lie on one line."""
+    """Corners of a face counter-clockwise about its outward normal, without corners inside the face; empty if they lie on one line."""
     if len(corners) < 3:
         return ()
     arms = points[corners] - points[corners].mean(axis=0)
@@ -212,7 +212,7 @@ def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tup
     order = np.argsort(np.arctan2(*flat.T))
     edge = np.roll(flat[order], -1, axis=0) - flat[order]
     after = np.roll(edge, -1, axis=0)
-    if np.any(edge[:, 0] * after[:, 1] >= edge[:, 1] * after[:, 0]):  # counted from the second axis, a convex ring turns to the right
+    if np.any(edge[:, 0] * after[:, 1] >= edge[:, 1] * after[:, 0]):  # angles count from the second axis, so a convex ring turns right
         try:
             order = order[np.isin(order, scipy.spatial.ConvexHull(flat).vertices)]
         except scipy.spatial.QhullError:

@@ -1,4 +1,4 @@
-"""Faces of blocks that touch: the search that interfaces, contacts at edges and areas of joints share."""
+"""Search for touching faces of blocks, which interfaces, contacts at edges and areas of joints share."""
 
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -51,11 +51,11 @@ class TouchingFaces(Held):
         return np.concatenate([[0], np.cumsum(np.bincount(self.overlap, minlength=len(self.pair)))])
 
 
-_FOUND: WeakKeyDictionary[Blocks, TouchingFaces] = WeakKeyDictionary()  # the checks of a scene ask before its model does
+_FOUND: WeakKeyDictionary[Blocks, TouchingFaces] = WeakKeyDictionary()  # the checks of a scene and then its model need the same search
 
 
 def touching_faces(blocks: Blocks) -> TouchingFaces:
-    """Return the faces of different blocks that touch; blocks may overlap. The search is made once for each object."""
+    """Return the faces of different blocks that touch; blocks may overlap. The search is made once for each `blocks` object."""
     if blocks not in _FOUND:
         _FOUND[blocks] = _search(blocks)
     return _FOUND[blocks]

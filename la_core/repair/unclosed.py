@@ -79,7 +79,7 @@ def _perimeters(pairs: Facing) -> np.ndarray:
 
 
 def _widths(pairs: Facing) -> np.ndarray:
-    """Width (L,) of the polygon of `_perimeters`, m: the shorter side of the rectangle with this area and perimeter."""
+    """Width (L,), m, of the polygon of `_perimeters` in any direction: the shorter side of the rectangle with this area and perimeter."""
     quarter = _perimeters(pairs) / 4.0
     return np.asarray(quarter - np.sqrt(np.maximum(quarter**2 - pairs.area, 0.0)))
 
