@@ -1,4 +1,4 @@
-"""What forces and twists prove: residuals, measures of the mechanism, dissipation."""
+"""Measures of contact forces and twists: residuals, mechanism, dissipation."""
 
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure

@@ -12,8 +12,8 @@ import numpy as np
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
-# Least speed of a moving contact point, of the fastest block's. Strain rates of elastic joints are a per cent or less of the
-# support's motion. Slower sliding is lost; a mechanism of rigid blocks has no such noise and allows a much lower threshold.
+# Least speed of a moving contact point, over `mechanism.fastest_speed`. Strain rates of elastic joints are a per cent or less of the
+# support's motion. Slower sliding is not detected. A mechanism of rigid blocks has no such noise and allows a much lower threshold.
 THRESHOLD = 0.03
 LOADED = 1e-4  # of the mean block weight: least compression that counts; residuals of accepted forces are far below it
 
@@ -30,7 +30,7 @@ class ContactState(enum.IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class MechanismMeasures:
-    """Measures of one mechanism. Undefined numbers are NaN, also the counts where the mechanism is undefined.
+    """Measures of one mechanism. Undefined numbers are NaN, and so are the counts where the mechanism is undefined.
 
     Attributes
     ----------
@@ -43,11 +43,11 @@ class MechanismMeasures:
     dissipated_power : float
         Sum of these powers.
     dissipated_share : float
-        Dissipated power over the power of the sinking weights; NaN where none sinks, and under a live load, which does the work there.
+        Dissipated power over the power of the sinking weights. NaN where no weight sinks, and under a live load, which then does the work.
     participation_index : float
         Distribution of the dissipation over the interfaces, see `participation_index`.
     moving_mass_share : float
-        Mass of the moving blocks over that of all free blocks.
+        Mass of the moving blocks over the mass of all free blocks.
     """
 
     states: np.ndarray
@@ -101,8 +101,8 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
 def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
     """State (C,) of each contact point; all UNKNOWN where a twist or a force is NaN.
 
-    A point opens when it parts without force. A compressed point that slides by the associated flow rule parts, too,
-    at mu |u_t|; it opens only if it parts faster than that.
+    A point opens when it parts without force. A compressed point that slides by the associated flow rule also parts,
+    at mu |u_t|. It opens only if it parts faster.
 
     Parameters
     ----------
@@ -166,11 +166,13 @@ def settling_power(assembly: Assembly, twists: np.ndarray, threshold: float = TH
 
 
 def participation_index(dissipation: np.ndarray) -> float:
-    """Evenness of a dissipation p (J,) over J interfaces: (sum p)^2 / (J sum p^2), 1/J for one alone, 1 for equal ones.
+    """Evenness of a dissipation p (J,) over J interfaces: (sum p)^2 / (J sum p^2).
+
+    It is 1/J if one interface dissipates alone, and 1 if all dissipate alike. NaN where nothing dissipates.
 
     Portioli & Cascini (2016), doi 10.1016/j.engstruct.2016.02.002, speak of "a distribution index of the energy
-    dissipated in the failure mechanism". Its formula is not at hand: this one, a participation ratio, is this
-    project's own definition, and its values are not comparable with theirs. NaN where nothing dissipates.
+    dissipated in the failure mechanism". Its formula is not at hand. The formula here, a participation ratio, is this
+    project's own definition, and its values are not comparable with theirs.
     """
     largest = float(dissipation.max(initial=0.0))
     if not largest > 0.0:

@@ -1,4 +1,4 @@
-"""Measures of joints: the resultant force of each interface, where it acts, its state and motion, and the line of thrust."""
+"""Measures of joints: the resultant force and the centre of pressure of each interface, its state and motion, and the line of thrust."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,8 +10,8 @@ from la_core.measures import mechanism
 from la_core.measures.dissipation import ContactState, contact_states, loaded_compression
 from la_core.model import Assembly
 
-CHAIN = 2.0 / 3.0  # of the free blocks: where as many have two joints only, the thrust follows a line
-SHORTEST = 3  # blocks of such a chain
+CHAIN = 2.0 / 3.0  # of the free blocks: where this share has only two joints, the thrust follows a line
+SHORTEST = 3  # least number of blocks of such a chain
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +23,9 @@ class JointForces:
     force : (I, 3) array
         Force on block b, global axes, N.
     normal : (I,) array
-        Its component along the normal, compression positive, N.
+        Component of the force along the normal, compression positive, N.
     shear : (I,) array
-        Size of its component across the normal, N.
+        Size of the component across the normal, N.
     centre : (I, 3) array
         Centre of pressure, m: mean of the contact points, weighted by their compression. NaN without compression.
     """
@@ -84,7 +84,7 @@ class JointMotion:
 
 
 def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
-    """Measure the relative motion in each interface for twists (B, 6) per unit motion of the drive; all NaN where one is NaN."""
+    """Measure the relative motion in each interface for twists (B, 6) per unit motion of the drive; all NaN where a twist is NaN."""
     interfaces, joint = assembly.interfaces, assembly.points.interface
     parting, sliding = mechanism.contact_speeds(assembly, twists)
     opening, slip = np.full(len(interfaces), -np.inf), np.zeros(len(interfaces))
@@ -96,10 +96,10 @@ def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
 
 
 def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
-    """Shear of each interface over the most that its friction bears under its compression (I,); NaN where that is 0.
+    """Shear of each interface over its shear strength (I,), the friction under its compression; NaN where the strength is 0.
 
-    Its inverse is the safety against sliding. It is 1 where the interface slides, and less where it turns in its own plane, because shear
-    forces then cancel each other in part. forces (C, 3): contact forces on block b, N.
+    The inverse is the safety against sliding. The value is 1 where the interface slides. It is less where the interface turns in its own
+    plane, because shear forces then cancel each other in part. forces (C, 3): contact forces on block b, N.
     """
     borne = assembly.points.friction * loaded_compression(assembly, forces)
     most = np.bincount(assembly.points.interface, weights=borne, minlength=len(assembly.interfaces))
@@ -136,10 +136,11 @@ def joint_centres(assembly: Assembly) -> np.ndarray:
 
 
 def joint_states(assembly: Assembly, states: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """State (I,) of each interface, a ContactState, from those (C,) of its contact points.
+    """State (I,) of each interface, a ContactState, from the states (C,) of its contact points.
 
     An interface slides where friction does work in one of its points. Otherwise it opens where a point opens, slides
-    where a point slides without force, and sticks where a point is compressed. It is UNKNOWN where a point is.
+    where a point slides without force, sticks where a point is compressed, and is IDLE where none of these holds. All
+    interfaces are UNKNOWN if the state of any point is UNKNOWN.
 
     Parameters
     ----------
@@ -164,7 +165,7 @@ def joint_states(assembly: Assembly, states: np.ndarray, forces: np.ndarray) -> 
 def joint_rows(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> list[dict[str, Any]]:
     """Every joint as a row of a table: names of its blocks, state, forces (N), centre of pressure (m), shares, and motion (m, rad).
 
-    `friction_used`, `eccentricity` and the columns of JointMotion are those of the functions and the class above.
+    `friction_used`, `eccentricity` and the columns of JointMotion have the meaning of the functions and the class above.
     twists (B, 6) per unit motion of the drive, and forces (C, 3), N: the mechanism and its contact forces.
     """
     names, interfaces = assembly.blocks.names, assembly.interfaces
@@ -190,7 +191,7 @@ def thrust_line(assembly: Assembly) -> np.ndarray:
     """Pairs (T, 2) of the interfaces on both sides of a free block with two joints, as in an arch or a tower.
 
     A line through the centres of pressure of each pair is the line of thrust. Empty where fewer than three free
-    blocks, or less than two thirds of them, have two joints only: in a wall the thrust spreads.
+    blocks, or less than two thirds of them, have two joints only, because in a wall the thrust spreads.
     """
     interfaces, blocks = assembly.interfaces, assembly.blocks
     sides = np.concatenate([interfaces.block_a, interfaces.block_b])

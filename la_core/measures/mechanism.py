@@ -5,7 +5,7 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.model import Assembly
 
-MOVING_SHARE = 0.05  # of `fastest_speed`: blocks below this stand still; elastic strain is far below it
+MOVING_SHARE = 0.05  # of `fastest_speed`: slower blocks count as at rest; elastic strain is far below this
 LEAST_EXCHANGE = 1e-6  # of the weight at the fastest speed: a mechanism with less power has rounding errors only
 
 
@@ -47,8 +47,8 @@ def corner_speeds(blocks: Blocks, twists: np.ndarray, direction: np.ndarray) -> 
 def fastest_speed(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest speed over the vertices of the free blocks and the contact points of the supports, for twists (B, 6), in their unit.
 
-    A support counts: where it moves away alone, the rest is noise. Its contact points alone count, because a strip of ground that turns may
-    reach far beyond the structure.
+    Supports count, because all other speeds are noise where a support moves away alone. Only their contact points count, because a strip of
+    ground that turns may reach far beyond the structure.
     """
     blocks = assembly.blocks
     at_contacts = np.linalg.norm(assembly.relative_velocity(np.where(blocks.free[:, None], 0.0, twists)), axis=1)
@@ -96,7 +96,7 @@ def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
 
 
 def friction_power(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power of friction, sum of mu n |u_t|, of contact forces (C, 3), N, in a mechanism with twists (B, 6); 0 where none slides."""
+    """Power of friction, sum of mu n |u_t|, of contact forces (C, 3), N, in a mechanism with twists (B, 6); 0 if no loaded one slides."""
     _, sliding = contact_speeds(assembly, twists)
     compression = np.maximum(assembly.split(forces)[0], 0.0)
     return float(np.sum(assembly.points.friction * compression * sliding))

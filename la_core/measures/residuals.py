@@ -1,6 +1,6 @@
 """Residuals of contact forces and mechanisms, recomputed from the answer and independent of the solver.
 
-Of forces or twists that are undefined, every residual is NaN: numpy's maximum keeps a NaN, Python's loses it.
+Residuals of undefined forces or twists are NaN. The maximum is numpy's, which keeps a NaN; Python's may lose it.
 """
 
 import numpy as np
@@ -10,12 +10,12 @@ from la_core.model import PLANE_FREEDOMS, Assembly, per_length
 
 
 def reaction(assembly: Assembly, forces: np.ndarray) -> float:
-    """Reaction (N or N m) of forces (C, 3): minus the support's unit motion times its wrench on the structure."""
+    """Reaction, N or N m, of contact forces (C, 3), N: minus the power of the support's wrench on the structure in its unit motion."""
     return float(np.sum(assembly.support_twist * assembly.contact_wrenches(forces)))
 
 
 def multiplier(assembly: Assembly, forces: np.ndarray) -> float:
-    """Multiplier of the live load that balances contact forces (C, 3), N, and dead load best by least squares."""
+    """Multiplier of the live load that best balances contact forces (C, 3), N, and dead load by least squares."""
     free = assembly.blocks.free
     unbalanced = (assembly.contact_wrenches(forces) + assembly.dead_load)[free]
     live = assembly.live_load[free]
@@ -33,10 +33,11 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
 
 
 def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Error of an associated value by the forces out of balance: the sum over the blocks of the sizes of their powers in the mechanism.
+    """Error of an associated value from unbalanced forces: the sum over the blocks of their absolute powers in the mechanism.
 
-    The contact forces balance loads that differ from the given ones by these wrenches. To first order, their power is the change of the
-    reaction (N, N m) or multiplier. Small residuals of heavy blocks may therefore matter beside the reaction of light ones.
+    The contact forces balance loads that differ from the given loads by the unbalanced wrenches. To first order, the power of these
+    wrenches is the change of the reaction (N, N m) or multiplier. Small residuals of heavy blocks may therefore matter beside the reaction
+    of light ones.
 
     twists (B, 6): the mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): contact forces, N.
     multiplier: of the live load.
@@ -45,10 +46,10 @@ def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarr
 
 
 def most_power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Estimate, on the safe side, of the error of a value without dilatancy by the forces out of balance; infinite where it is unknown.
+    """Estimate, on the safe side, of the error of a value without dilatancy from unbalanced forces; infinite where it is unknown.
 
-    A force that presses on a sliding joint also changes its friction. The wrench of a block therefore counts at the block's own speed, or
-    at 1 + mu times the fastest slip at its joints, whichever is larger. Parameters and unit are those of `power_of_unbalanced`.
+    A force that presses on a sliding joint also changes its friction. The wrench of a block is therefore multiplied by the block's own
+    speed, or by 1 + mu times the fastest slip at its joints, whichever is larger. Parameters and unit are those of `power_of_unbalanced`.
     """
     size = np.linalg.norm(per_length(_unbalanced(assembly, forces, multiplier), assembly.length), axis=1)
     speed = np.hypot(np.linalg.norm(twists[:, :3], axis=1), assembly.length * np.linalg.norm(twists[:, 3:], axis=1))
@@ -76,7 +77,7 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
 def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over `fastest_speed`.
 
-    The largest relative velocity is no measure, because it is zero where blocks move along with their support.
+    The largest relative velocity is no suitable scale, because it is zero where blocks move along with their support.
     """
     normal, tangential = contact_speeds(assembly, twists)
     if assembly.effects.sliding_excluded:
