@@ -37,7 +37,7 @@ class JointForces:
 
 
 def joint_forces(assembly: Assembly, forces: np.ndarray) -> JointForces:
-    """Sum contact forces (C, 3), N on block b, over each interface; all NaN where a force is NaN."""
+    """Sum contact forces (C, 3), N on block b, over each interface; NaN in all measures of an interface where a force is NaN."""
     interfaces, points = assembly.interfaces, assembly.points
     force = np.zeros((len(interfaces), 3))
     np.add.at(force, points.interface, forces)
@@ -84,7 +84,7 @@ class JointMotion:
 
 
 def joint_motion(assembly: Assembly, twists: np.ndarray) -> JointMotion:
-    """Measure the relative motion in each interface for twists (B, 6) per unit motion of the drive; all NaN where a twist is NaN."""
+    """Measure the relative motion in each interface for twists (B, 6) per unit motion of the drive; NaN where a twist is NaN."""
     interfaces, joint = assembly.interfaces, assembly.points.interface
     parting, sliding = mechanism.contact_speeds(assembly, twists)
     opening, slip = np.full(len(interfaces), -np.inf), np.zeros(len(interfaces))

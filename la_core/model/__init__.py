@@ -1,4 +1,4 @@
-"""The mechanical model of a scene: assembly, scaling, elastic joints, and which effects it calls for."""
+"""The mechanical model of a scene: assembly, scaling, elastic joints, and the effects that it needs."""
 
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length, unjoined
 from la_core.model.contact_grid import with_grid

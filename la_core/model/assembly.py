@@ -54,7 +54,7 @@ class Assembly(Held):
     applied_load : (B, 6) array
         The part of `dead_load` that is not the weight of the block itself.
     carried : (B,) array
-        Part of the dead loads along gravity on each block, N, where they do not lift; it counts as weight.
+        Component along gravity of the dead loads on each block, N; 0 for a load that lifts. It counts as weight.
     down : (3,) array
         Unit vector of gravity.
     live_load : (B, 6) array
@@ -62,10 +62,10 @@ class Assembly(Held):
     support_twist : (B, 6) array
         Unit motion of each support block about its centroid; zero for all other blocks.
     aside : (B,) array of bool
-        Free blocks of the scene that are held at rest here because the motion does not reach them
+        Free blocks of the scene that are held at rest in this model, because the motion does not reach them
         (`la_core.analysis.reach`).
     slivers : int
-        Joints that are too short to count, and were dropped.
+        Number of joints that were dropped because they are too short to count.
     is_rotation : bool
         Whether the unit motion of the supports is an angle, rad, and the reaction a moment.
     """
@@ -145,7 +145,7 @@ class Assembly(Held):
         return float(np.linalg.norm(self.relative_velocity(self.support_twist), axis=1).max())
 
     def in_value_unit(self, weight: float) -> float:
-        """A weight, N, in the unit of reactions or multipliers: N; N m by the arm of a support that turns; 1 for a multiplier."""
+        """A weight, N, in the unit of the value: N for a reaction; N m, by the arm of a support that turns; 1 for a multiplier."""
         return 1.0 if self.has_live_load else weight * self.support_speed
 
     def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -190,7 +190,7 @@ class Assembly(Held):
         return sparse.csr_matrix(entries, shape=(count * rows, len(self.blocks) * len(freedoms)))
 
     def with_inset(self, scene: Scene, inset: float) -> "Assembly":
-        """The same assembly with its contact points drawn in by `inset` (m) instead."""
+        """The same assembly with its contact points drawn in by another `inset` (m)."""
         points = contact_points(self.blocks, self.interfaces, _friction(scene, self.interfaces), inset, self.effects.plane)
         return replace(self, points=points, inset=inset)
 
@@ -209,7 +209,7 @@ def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
     ------
     SceneError
         Blocks overlap or touch nothing, or the scene requests an effect that it does not allow. The message begins
-        with the scene's path, and with the lines of what it names.
+        with the scene's path and the lines of the blocks or keys that it names.
     """
     try:
         return _assemble(scene, interfaces)
@@ -233,7 +233,7 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
 
 
 def _friction(scene: Scene, interfaces: Interfaces) -> np.ndarray:
-    """Friction coefficient (I,) of interfaces of a scene; roles are those of the scene, also where a model holds more blocks."""
+    """Friction coefficient (I,) of interfaces of a scene. Blocks have the roles of the scene, even if a model holds more blocks at rest."""
     return friction_of_joints(scene.joint_classes, scene.friction, scene.blocks, interfaces)
 
 
@@ -270,7 +270,7 @@ def _has_joint(chosen: np.ndarray, interfaces: Interfaces) -> bool:
 
 
 def _idle_support(blocks: Blocks, support: np.ndarray, shortest: float) -> SceneError:
-    """Error of support blocks (B,) without a joint. shortest: of a joint that counts, m, where they have shorter ones; else 0."""
+    """Error for support blocks, mask (B,), without a joint. shortest: least length of a joint, m, if they have shorter ones, else 0."""
     if shortest > 0.0:
         rule = f"the support blocks that move have no joint of {shortest:.3g} m or more, and shorter ones do not count"
         hint = "take a smaller inset and tolerance, or a longer joint"

@@ -1,4 +1,4 @@
-"""Effects of the run in YADE, displacement and recording. Contact points and the support's travel must be known."""
+"""Effects of the run in YADE: displacement and recording. They depend on the contact points and the support's travel."""
 
 from dataclasses import replace
 
@@ -13,14 +13,14 @@ from la_core.scene import Scene
 
 GAP_OVER_TRAVEL = 10.0  # two blocks meet across such a gap only if each moves five times the travel; every run is checked
 NO_GAP = 1e-6  # of the search distance: a smaller gap is round-off where two blocks meet in an edge
-LARGE_RECORD = 200.0  # MB of stored states; above it only the states that are judged are stored
+LARGE_RECORD = 200.0  # MB of stored states: of a larger run only the states that are judged are stored
 _LISTED = "contacts are then those of the joints alone"
 
 
 def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
     """Decide displacement and recording of the run in YADE.
 
-    Returns the assembly with them, and the least gap (m) between blocks without a joint. The gap is NaN where it was
+    Returns the assembly with both effects, and the least gap (m) between blocks without a joint. The gap is NaN where it was
     not computed; a gap beyond the search distance counts as that distance. Raises SceneError where the scene requests
     small displacements although two blocks without a joint can meet.
     """
@@ -31,7 +31,7 @@ def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffne
 
 
 def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[str, str, float]:
-    """The choice, its reason, and the least gap (m)."""
+    """Choice of the displacement, its reason, and the least gap (m)."""
     request = scene.effects.displacement
     if request == "finite":
         return request, "requested in the scene", float("nan")
@@ -83,7 +83,7 @@ def _key(pairs: np.ndarray, blocks: Blocks) -> np.ndarray:
 
 
 def _recording(scene: Scene, assembly: Assembly) -> tuple[str, str]:
-    """The choice and its reason."""
+    """Choice of the recording, and its reason."""
     request = scene.effects.recording
     if request != "auto":
         return request, "requested in the scene"

@@ -21,14 +21,14 @@ class Effects(Held):
     Attributes
     ----------
     plane : bool
-        Motion in the xz plane only.
+        Whether blocks move in the xz plane only.
     friction : str
         "coulomb", "associated" or "none-slides".
     elasticity : str
         Strain of the joints in limit analysis: "none", "plateau" (on the way to the plateau) or "path" (along the
         requested curve, too).
     reach : bool
-        Only the blocks that the support's motion can affect.
+        Whether only the blocks that the support's motion can affect are modelled.
     displacement : str
         Contacts in YADE: "small" (those of the case) or "finite" (YADE searches for new ones).
     recording : str
@@ -38,7 +38,7 @@ class Effects(Held):
     rotation : str
         Rotations of the blocks in limit analysis: "small", or "finite" (turning blocks may release thrusts).
     sliding_excluded : bool
-        Sliding is excluded by Heyman's law at the scene's request, not only absent from the answer.
+        Whether sliding is excluded by Heyman's law at the scene's request, and not only absent from the answer.
     called_back : tuple of str
         Effects that were first left out and turned on again after a run in YADE.
     """
@@ -56,11 +56,11 @@ class Effects(Held):
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """All of them by name, as JSON can hold them."""
+        """All effects by name, as values for JSON."""
         return vars(self) | {"reasons": dict(self.reasons)}
 
     def with_effect(self, effect: str, choice: bool | str, reason: str) -> "Effects":
-        """The same effects with another choice for one of them, and its reason."""
+        """The same effects with another choice for one effect, and the reason for it."""
         return replace(self, **{effect: choice, "reasons": dict(self.reasons) | {effect: reason}})  # type: ignore[arg-type]
 
 
@@ -133,7 +133,7 @@ def _decide_rotation(scene: Scene) -> tuple[str, str]:
 
 
 def _obstacle_to_elasticity(scene: Scene) -> str | None:
-    """Why the requested elasticity does not go with the requested friction, or None where it does."""
+    """Why the requested elasticity contradicts the requested friction, or None where it does not."""
     friction, elasticity = scene.effects.friction, scene.effects.elasticity
     if elasticity == "none" and friction == "coulomb":
         return "friction without dilatancy follows the joints' strain, and without strain its answer is not unique"
@@ -145,7 +145,7 @@ def _obstacle_to_elasticity(scene: Scene) -> str | None:
 
 
 def _depth_words(scene: Scene) -> str:
-    """Where all blocks together begin and end along y, such as "y = 0 to 0.4 m"."""
+    """Extent of all blocks together along y, such as "y = 0 to 0.4 m"."""
     return f"y = {coordinate_text(scene.blocks.low[:, 1].min())} to {coordinate_text(scene.blocks.high[:, 1].max())} m"
 
 

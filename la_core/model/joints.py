@@ -1,6 +1,6 @@
-"""Elastic joints: stiffness of a contact point and travel of the support, from which both methods start; a run in YADE may stiffen them.
+"""Elastic joints: stiffness of the contact points and travel of the support, for both methods. A run in YADE may stiffen the joints.
 
-Both scale with size, weight and inset, so that structures of any size and weight behave alike.
+Stiffness and travel scale with size, weight and inset, so that structures of any size and weight behave alike.
 """
 
 import math
@@ -19,15 +19,15 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 from la_core.model.mirrors import mirrored_across
 
 TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
-ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass for a mechanism
+ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not be mistaken for a mechanism
 PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that penetrates deeper touches away from its contact point
-SOLVER_TOLERANCE = 1e-3  # of a scale, not of an answer
-SWAY_TOLERANCE = 0.1  # of the residual, which quick motions rule: the slow sway is then right to 1 %, in fewer iterations
+SOLVER_TOLERANCE = 1e-3  # relative error of the solver: its result is only a scale, not an answer
+SWAY_TOLERANCE = 0.1  # of the residual, in which quick motions dominate: the slow sway is then right to 1 %, in fewer iterations
 
 
 @dataclass(frozen=True)
 class JointStiffness:
-    """Stiffness of every contact point, with the travel and the sag that it was chosen by.
+    """Stiffness of every contact point, with the travel and the sag from which it was chosen.
 
     Attributes
     ----------
@@ -41,8 +41,9 @@ class JointStiffness:
         Largest displacement of a centroid under the weights, m, with glued joints that have the normal stiffness in
         all directions; NaN where nothing holds the structure.
     sway : float
-        The same with weights that act sideways, in the worse of the directions in which the structure may sway: x and y, or along
-        the one vertical mirror that it shares with its loads and its drive; NaN where it is unknown.
+        The same displacement under weights that act sideways, m: the largest of the directions in which the structure may sway. These are
+        x in a plane model; in space x and y, or only the direction along the mirror if structure, loads and drive share one vertical
+        mirror. NaN where it is unknown.
     """
 
     normal: float
@@ -110,8 +111,8 @@ def _block_size(assembly: Assembly) -> float:
 def _glued(assembly: Assembly) -> tuple[float, float, float]:
     """Largest displacement of a centroid (m) and contact force (N) under the weights, joints glued by springs of 1 N/m.
 
-    The last number is the displacement (m) under weights that act sideways. Glued joints are stiffer than open ones: a scale, not a
-    prediction. NaN where nothing holds the structure.
+    The last number is the displacement (m) under weights that act sideways. The three numbers are scales and no predictions, because glued
+    joints are stiffer than joints that open. NaN where nothing holds the structure.
     """
     plane, standing = assembly.effects.plane, connected_to_held(assembly)
     if not standing.any():
@@ -145,7 +146,7 @@ def _ways_to_sway(assembly: Assembly) -> list[np.ndarray]:
 
 
 def connected_to_held(assembly: Assembly) -> np.ndarray:
-    """Mask (B,) of the free blocks that joints connect to a held block, also through other blocks; all others fall."""
+    """Mask (B,) of the free blocks that joints connect to a held block, also through other blocks; all other free blocks fall."""
     free, size = assembly.blocks.free, len(assembly.blocks)
     a, b = assembly.interfaces.block_a, assembly.interfaces.block_b
     joined = sparse.coo_matrix((np.ones(len(a)), (a, b)), shape=(size, size))

@@ -10,27 +10,27 @@ import numpy as np
 from la_core.geometry import plane_axes
 from la_core.model.assembly import Assembly, per_length
 
-ASKEW = np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0])  # a direction in which no two places on a regular grid are level
+ASKEW = np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0])  # a direction along which no two points of a regular grid have the same coordinate
 SAME_LOAD = 1e-8  # relative difference below which loads and velocities are the same
 SAME_PLACE = 1e-9  # of the mean size of a block: distance below which two points are the same
 
 
 @dataclass(frozen=True)
 class Image:
-    """One way to turn a structure into itself: by no mirror, one, or two.
+    """A mapping of a structure onto itself, by no mirror, one mirror, or two.
 
     Attributes
     ----------
     signs : (3,) array
         Factor of each component of a vector along the axes of the mirrors: -1 across a mirror, else 1.
     matrix : (3, 3) array
-        The same for vectors in global axes.
+        Matrix of the mapping for vectors in global axes.
     block : (F,) array of int
-        Free block, counted among the free ones, in whose place each free block comes to lie.
+        Free block onto which each free block is mapped, counted among the free blocks.
     point : (C,) array of int
-        Contact point in whose place each contact point comes to lie.
+        Contact point onto which each contact point is mapped.
     swap : (C,) array
-        -1 where its blocks a and b change places on the way, else 1.
+        -1 where the mapping exchanges blocks a and b of the contact point, else 1.
     """
 
     signs: np.ndarray
@@ -43,7 +43,7 @@ class Image:
 def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
     """Find the mirrors of a structure.
 
-    Loads, the motion of supports, and which blocks a contact point joins are not compared: the caller's velocities show them.
+    Loads, the motion of supports, and the blocks of each contact point are not compared here. The caller compares them by velocities.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
     axes : ndarray, shape (3, 3)
         Orthonormal rows: two horizontal ones, to which mirrors are normal, and the direction of gravity.
     images : list of Image
-        All images of the structure, the first of them by no mirror; 1, 2 or 4. Each is its own inverse.
+        The 1, 2 or 4 images of the structure; the first one is by no mirror. Each image is its own inverse.
     """
     best = _axes_by_gravity(assembly), [_itself(assembly)]
     most = 2 if assembly.effects.plane else 4
@@ -82,7 +82,7 @@ def mirrored_across(assembly: Assembly) -> np.ndarray | None:
 
 
 def _is_shared(assembly: Assembly, image: Image) -> bool:
-    """Whether an image of a structure has its loads and the motion of its supports."""
+    """Whether an image maps the loads and the motion of the supports onto themselves."""
     free = assembly.blocks.free
     velocity = assembly.relative_velocity(assembly.support_twist)
     pairs = [(image.swap[:, None] * velocity[image.point], velocity @ image.matrix)]
@@ -132,7 +132,7 @@ def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
     middle = (centroid @ normal).mean()
     for places in (centroid, position):
         place = np.sort(places @ normal)
-        if np.abs(place + place[::-1] - 2.0 * middle).max() > same:  # most structures end here, before any search
+        if np.abs(place + place[::-1] - 2.0 * middle).max() > same:  # excludes most structures without a mirror before any search
             return None
 
     def mirrored(position: np.ndarray) -> np.ndarray:
@@ -155,9 +155,9 @@ def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
 
 
 def _matched(places: np.ndarray, images: np.ndarray, same: float) -> np.ndarray | None:
-    """The row (N,) of `places` (N, d) that each row of `images` lies at, or None where they are not one to one.
+    """The row (N,) of `places` (N, d) that each row of `images` (N, d) coincides with, within `same`; None if they do not match one to one.
 
-    Both are sorted along one direction. A search tree would do the same, but takes 0.1 s to load.
+    Both are sorted along one direction. A search tree would also find the rows, but takes 0.1 s to load.
     """
     along, row = ASKEW[: places.shape[1]], np.empty(len(places), dtype=int)
     row[np.argsort(images @ along)] = np.argsort(places @ along)

@@ -1,6 +1,6 @@
 """Scaling between the model in SI units and programmes with numbers of order one.
 
-Lengths are over the mean block size and forces are over the weight of the free blocks.
+Lengths are divided by the mean block size, and forces by the weight of the free blocks.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 
 
 def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
-    """Speed of the fastest support point per unit motion (`Assembly.support_speed`; 1 at rest), and the support twists (B, 6) over it.
+    """Speed of the fastest support point per unit motion (`Assembly.support_speed`; 1 at rest), and support twists (B, 6) over this speed.
 
     sign: 1 for a support that moves with the settlement, -1 for one that moves against it, 0 for one at rest.
     """
@@ -31,14 +31,14 @@ def columns(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
 def scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
     """Wrenches (B, 6) of the free blocks as the vector of powers per scaled unknown.
 
-    Forces are over the weight, moments over the weight and the length.
+    Forces are divided by the weight, and moments by the weight and the length.
     """
     scaled = per_length(wrenches[assembly.blocks.free], assembly.length) / assembly.weight
     return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
 
 
 def twists_of(assembly: Assembly, x: np.ndarray) -> np.ndarray:
-    """Twists (B, 6) from the scaled unknowns x (n,) of the free blocks; all other blocks rest."""
+    """Twists (B, 6) from the scaled unknowns x (n,) of the free blocks; all other blocks are at rest."""
     count = int(assembly.blocks.free.sum())
     free, twists = np.zeros((count, 6)), np.zeros((len(assembly.blocks), 6))
     free[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)
