@@ -35,7 +35,7 @@ DEEPEST = 20  # inserts within inserts
 LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve; MOST_CHORDS follow half a circle to within FINEST of its size
 CUBIC = 3  # degree of most splines
 LARGEST = 1e12  # units of the file: largest extent of one entity
-FINEST = 1e-6  # of an entity's extent: least distance between curve and chords that is asked for
+FINEST = 1e-6  # of an entity's extent: smallest sagitta in use
 DWG = b"AC10"  # the first bytes of a DWG file
 BINARY = b"AutoCAD Binary DXF"  # the first bytes of a binary DXF file
 CONFLICT = re.compile(r"(\w+)\(#(\w+)\) with a conflicting handle")  # message of ezdxf about an entity that it left out
@@ -248,7 +248,7 @@ def _span(curve: Any, start: float, end: float, finest: float, count: int) -> np
 
 
 def _curves(curve: Any, finest: float) -> list[np.ndarray]:
-    """The chords (n, 2) of each curve of a path, without its straight parts."""
+    """The chords (n, 2) of each curve of a path; straight parts are left out."""
     from ezdxf.path import Command, Path  # noqa: PLC0415
 
     found, start = [], curve.start

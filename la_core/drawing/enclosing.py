@@ -103,7 +103,7 @@ def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: f
 def of_own_lines(lines: Sequence[np.ndarray], snap: float, curves: Curves, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Outlines (n, 2) that lines of their own enclose outside all other outlines (n, 2): stones drawn as lines between closed outlines.
 
-    A line that runs on beyond the outline is not its own, such as a bed joint drawn past an opening. snap, curves: as in `enclosed`.
+    A line that runs on beyond the outline, such as a bed joint drawn past an opening, does not count. snap, curves: as in `enclosed`.
     """
     faces = enclosed(lines, snap, curves).faces
     if not faces:
@@ -147,8 +147,8 @@ def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, curve
 def conforming(outlines: Sequence[np.ndarray], snap: float, curves: Curves) -> list[np.ndarray]:
     """Outlines (n, 2) with the corners of neighbours on their curves inserted, so that both neighbours have the same chords.
 
-    Stones on both sides of a curve have corners at different places of it. Without the other stone's corners, their chords would overlap,
-    or leave gaps, by up to the sagitta of the curve.
+    Stones on both sides of a curve have corners at different places of the curve. Without the other stone's corners, their chords would
+    overlap, or leave gaps, by up to the sagitta of the curve.
     """
     curved = [k for k, outline in enumerate(outlines) if curves.lines and curves.along(_round(outline), snap).any()]
     if not curved:

@@ -52,7 +52,7 @@ class OpenOutline:
     x, z : float
         First point of the polyline, m.
     gap : float
-        Distance between its ends, m.
+        Distance between the ends, m.
     """
 
     layer: str
@@ -72,7 +72,7 @@ class LayerCount:
     count : int
         Number of lines or outlines.
     x, z : float
-        Middle of the first one, m.
+        Middle of the first line or outline, m.
     """
 
     layer: str
@@ -92,7 +92,7 @@ class SharedAreas:
     count : int
         Number of areas.
     x, z : float
-        Middle of the first one, m.
+        Middle of the first area, m.
     """
 
     layers: tuple[str, ...]

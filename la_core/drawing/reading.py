@@ -24,7 +24,7 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
     sagitta : float
         Largest distance between a curve and the chords that replace it, m.
     scale : float
-        Lengths of the structure over those of the drawing: 50 for a drawing to scale 1 : 50.
+        Length in the structure over length in the drawing: 50 for a drawing to scale 1 : 50.
 
     Raises
     ------

@@ -102,7 +102,7 @@ def page_of(root: ElementTree.Element) -> tuple[float | None, np.ndarray, Viewpo
 
 
 def nested(given: Mapping[str, str], around: Viewport) -> tuple[np.ndarray, Viewport]:
-    """Matrix (3, 3) from the coordinates within a nested <svg> with these attributes to those around it, and its viewport."""
+    """Matrix (3, 3) from the coordinates within a nested <svg> with these attributes to coordinates around it, and its viewport."""
 
     def length(name: str, along: str, otherwise: str) -> float:
         said = given.get(name, otherwise)

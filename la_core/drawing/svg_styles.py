@@ -52,7 +52,7 @@ class Paint:
     colour: str = ""
 
     def with_given(self, given: dict[str, str]) -> "Paint":
-        """The paint of an element within this one that gives some properties itself."""
+        """The paint of an inner element that gives these properties itself."""
         zero = {name for name in OPACITIES if is_zero(given.get(name, "1"))}
         fill, stroke, colour = (
             given.get(name) or own for name, own in (("fill", self.fill), ("stroke", self.stroke), ("color", self.colour))

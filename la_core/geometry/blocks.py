@@ -130,7 +130,7 @@ class Blocks:
 
     @cached_property
     def parts(self) -> "Blocks":
-        """Every convex part as a block of its own, with the name, role and density of its block; these blocks where all are convex."""
+        """Every convex part as a block of its own, with the name, role and density of its block; the same object if all are convex."""
         count = len(self.part_block)
         if count == len(self):
             return self

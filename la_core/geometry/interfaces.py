@@ -220,7 +220,7 @@ def _nearest(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> tuple[int,
         return _distance(np.maximum(low[others] - high[one], low[one] - high[others]))
 
     def nearest_within(reach: float) -> tuple[int, int, float]:
-        """The nearest pair of those whose boxes are at most `reach` apart, m."""
+        """The nearest of the pairs whose boxes are at most `reach` (m) apart, and its gap, m."""
         # Block by block: a table of all pairs of a large scene takes gigabytes.
         pairs = np.array([(one, other) for one in some for other in others[boxes_apart(one) <= reach]])
         gap = gaps(blocks, pairs)

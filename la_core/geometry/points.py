@@ -61,7 +61,7 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.
     friction : float or (I,) array
         Friction coefficient of all interfaces, or of each, tan(phi).
     inset : float
-        Distance of the points from the edges of their interface, m; less in a short joint. 0 puts them on its corners.
+        Distance of the points from the edges of their interface, m; less in a short joint. 0 places them on the corners.
     plane : bool
         True for two points at mid depth per interface, at its ends in the xz plane; False for one point at every
         corner.
@@ -83,7 +83,7 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.
 
 
 def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane: bool) -> Interfaces:
-    """The interfaces without those that have less room than `least`, m; raises SceneError where a free block has no other."""
+    """Drop the interfaces with less room than `least`, m. Raises SceneError where a free block has no other interface."""
     slivers = joint_rooms(interfaces, plane, least) < least if least > 0.0 else np.zeros(len(interfaces), dtype=bool)
     if not slivers.any():
         return interfaces
@@ -121,7 +121,7 @@ def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarr
 
 
 def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Ends (I,) of each interface along its first tangent from its middle, the middle (I, 3) and that tangent (I, 3)."""
+    """Both ends (I,) of each interface along its first tangent, from its middle, m; the middle (I, 3), m; and the tangent (I, 3)."""
     tangent, _ = plane_axes(interfaces.normal)
     owner = owners(interfaces.polygon_start)
     start = interfaces.polygon_start[:-1]

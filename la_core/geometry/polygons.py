@@ -67,7 +67,7 @@ def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _cut(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Convex polygons (N,) cut by the half-planes of the edges of convex polygons (N,), one edge of all after the other.
+    """Convex polygons (N,) cut by the half-planes of the edges of convex polygons (N,), edge by edge for all at once.
 
     Sutherland and Hodgman, Reentrant polygon clipping (Communications of the ACM 17, 1974).
     """

@@ -108,10 +108,10 @@ def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
 
 
 def eccentricity(assembly: Assembly, centre: np.ndarray) -> np.ndarray:
-    """Place of the centre of pressure (I, 3), m, in each interface: 0 in its middle, 1 at its edge, NaN without compression.
+    """Relative eccentricity (I,) of the centre of pressure: 0 in the middle of the interface, 1 at its edge, NaN without compression.
 
-    The middle is the centroid of the interface, and the edge is the one beyond the centre of pressure. The middle third of a rectangle ends
-    at 1/3.
+    The middle is the centroid of the interface, and the edge is the edge beyond the centre of pressure. The middle third of a rectangle
+    ends at 1/3. centre: centres of pressure (I, 3), m.
     """
     interfaces = assembly.interfaces
     ring, corner = owners(interfaces.polygon_start), interfaces.polygon
@@ -163,7 +163,7 @@ def joint_states(assembly: Assembly, states: np.ndarray, forces: np.ndarray) -> 
 
 
 def joint_rows(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> list[dict[str, Any]]:
-    """Every joint as a row of a table: names of its blocks, state, forces (N), centre of pressure (m), shares, and motion (m, rad).
+    """Every joint as a row of a table: names of its blocks, state, forces (N), centre of pressure (m), ratios, and motion (m, rad).
 
     `friction_used`, `eccentricity` and the columns of JointMotion have the meaning of the functions and the class above.
     twists (B, 6) per unit motion of the drive, and forces (C, 3), N: the mechanism and its contact forces.

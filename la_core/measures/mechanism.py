@@ -106,8 +106,8 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
     """Power of friction over the power that the weights exchange, sum of |w . v|.
 
     It is 0 where no loaded joint slides. Dilatancy then has no effect, and the associated answer is also Coulomb's.
-    A mechanism whose weights exchange less than LEAST_EXCHANGE counts as if they exchanged that much: otherwise the share
-    of a motion without power would be a ratio of rounding errors.
+    If the weights of a mechanism exchange less than LEAST_EXCHANGE, this limit replaces their power. Otherwise the share of
+    a motion without power would be a ratio of rounding errors.
     twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()

@@ -59,7 +59,7 @@ def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, in
     """Lower bound (m) of the least gap between blocks without a joint, and the pair of blocks with that gap.
 
     Beyond `distance` (m) the bound is `distance` and the pair is None. Pairs of two held blocks do not count. The gap
-    between the bounding boxes is a bound of the gap, and so is the distance of one block from a face plane of the
+    between the bounding boxes is a lower bound of the gap, and so is the distance of one block from a face plane of the
     other.
     """
     interfaces, whole = assembly.interfaces, assembly.blocks

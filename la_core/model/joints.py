@@ -138,7 +138,7 @@ def _glued(assembly: Assembly) -> tuple[float, float, float]:
 
 
 def _ways_to_sway(assembly: Assembly) -> list[np.ndarray]:
-    """Horizontal directions (3,) in which a structure may sway: x and y, or along the mirror that it shares with its drive."""
+    """Horizontal directions (3,) of sway: x in a plane model; in space x and y, or along the one mirror shared with loads and drive."""
     if assembly.effects.plane:
         return [np.eye(3)[0]]
     across = mirrored_across(assembly)

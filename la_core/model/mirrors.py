@@ -53,7 +53,7 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
     Returns
     -------
     axes : ndarray, shape (3, 3)
-        Orthonormal rows: two horizontal ones, to which mirrors are normal, and the direction of gravity.
+        Orthonormal rows: two horizontal directions, to which mirrors are normal, and the direction of gravity.
     images : list of Image
         The 1, 2 or 4 images of the structure; the first one is by no mirror. Each image is its own inverse.
     """
@@ -74,7 +74,7 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
 def mirrored_across(assembly: Assembly) -> np.ndarray | None:
     """Horizontal direction (3,) normal to the only mirror that a structure shares with its loads and the motion of its supports.
 
-    Such a structure stays its own mirror image, so that it never sways along this direction. None without such a mirror, and with two.
+    Such a structure stays its own mirror image, so that it never sways along this direction. None without such a mirror, or with two.
     """
     axes, found = images(assembly)
     shared = [image for image in found if np.prod(image.signs) < 0.0 and _is_shared(assembly, image)]
@@ -93,7 +93,7 @@ def _is_shared(assembly: Assembly, image: Image) -> bool:
 
 
 def _candidates(assembly: Assembly) -> list[np.ndarray]:
-    """Axes that mirrors may be normal to: those of the model, and the principal axes of the blocks' centroids."""
+    """Axes that mirrors may be normal to: the axes of the model, and the principal axes of the blocks' centroids."""
     axes = _axes_by_gravity(assembly)
     if assembly.effects.plane:
         return [axes]

@@ -105,7 +105,7 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
 def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np.ndarray, widest: np.ndarray) -> np.ndarray:
     """Mask of the pairs with a gap that need no closing, because one of their faces touches other faces everywhere.
 
-    A chord of a curve touches the same chord of the next block. It also faces the chords before and after that one across narrow wedges.
+    A chord of a curve touches the equal chord of the next block. It also faces the chords before and after that one across narrow wedges.
     area: (L,), area of the overlap of each pair, m2. widest: (L,), its largest gap, m.
     """
     touches = (widest <= EXACT) & (area > 0.0)

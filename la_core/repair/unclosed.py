@@ -35,7 +35,7 @@ def unclosed(
 def lost_joints(
     names: Sequence[str], parts: Blocks, owner: np.ndarray, reach: np.ndarray, left: Blocks, tolerance: float
 ) -> Iterator[Unclosed]:
-    """Yield each pair of blocks once whose faces lay opposite each other, but which share much less area after the repair.
+    """Yield once each pair of blocks whose faces lay opposite each other, but share much less area after the repair.
 
     The cut of a corner may continue through the joint beside it, or faces may lie a little too far apart to be brought together. Errors of
     the edges of a joint remove at most a strip along the edges that is as wide as the reach.
