@@ -85,7 +85,7 @@ def _refuse_damage(auditor: Any) -> None:
     removed = [fix.message for fix in auditor.fixes if fix.code == AuditError.REMOVED_INVALID_DXF_OBJECT]
     for kind, handle in (found.groups() for found in map(CONFLICT.search, removed) if found):
         if kind in (*CURVES, "INSERT"):
-            where = f"holds {kind} entities or others with the same handle {handle} (code 5)"
+            where = f"holds a {kind} and another entity with the same handle {handle} (code 5)"
             raise ValueError(f"{where}, which must be unique; save it again in a CAD program, or leave all handles out")
     guessed = [error.message for error in auditor.errors if error.code == AuditError.INVALID_FLOATING_POINT_VALUE]
     for text, line in (found.groups() for found in map(RECOVERED.search, guessed) if found):

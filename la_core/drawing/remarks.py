@@ -66,7 +66,7 @@ def unseen_words(ignored: Mapping[str, int]) -> list[str]:
         what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"
         told.append(f"{what}; show hidden layers to have them read")
     if clipped := ignored.get(CLIPPED, 0):
-        told.append(f"clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
+        told.append(f"clip paths are not read ({clipped}), so the parts that they cut off are read, too; delete these parts in the drawing")
     return [*told, *lacking_words(ignored)]
 
 
@@ -124,12 +124,11 @@ def open_words(outlines: Sequence[OpenOutline]) -> str:
     gap = number_text(1e3 * max(one.gap for one in outlines), 3)
     layers = ", ".join(_quoted(layer) for layer in dict.fromkeys(one.layer for one in outlines))
     places = ", ".join(place_text((one.x, one.z)) for one in outlines[:MOST_NAMED])
-    hint = "close what is open in the drawing"
     if len(outlines) == 1:
-        return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out; {hint}"
+        return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out; close it in the drawing"
     more = ", ..." if len(outlines) > MOST_NAMED else ""
     many = f"{len(outlines)} outlines on layer {layers} that begin at {places}{more}"
-    return f"{many} are open by up to {gap} mm, so they are left out; {hint}"
+    return f"{many} are open by up to {gap} mm, so they are left out; close them in the drawing"
 
 
 def _stray_words(lines: Sequence[LayerCount]) -> str:
@@ -144,7 +143,7 @@ def _around_words(outlines: Sequence[LayerCount]) -> str:
     if not outlines:
         return ""
     are, block = ("is", "it is a block") if _is_one(outlines) else ("are", "they are blocks")
-    hint = "draw what lies within on a layer of its own, and list that layer in `ignore`"
+    hint = "draw the inner outlines on a layer of their own, and list that layer in `ignore`"
     return f"{_listed(outlines, 'outline')} around others {are} left out; if {block}, {hint}"
 
 
@@ -175,7 +174,7 @@ def _area_words(areas: Sequence[LayerCount]) -> str:
     if not areas:
         return ""
     are, block = ("is", "is no block") if _is_one(areas) else ("are", "are no blocks")
-    return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; close the outline of what is a stone"
+    return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; close the outline of each stone"
 
 
 def _shared_words(areas: SharedAreas) -> str:

@@ -189,7 +189,7 @@ def _pieces(
 
 def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
     name, (x, _, z) = parts.names[part], parts.centroid[part] + origin
-    rule = f"is so thin that nothing of it, near (x, z) = {place_text((x, z))}, would be left"
+    rule = f"is so thin near (x, z) = {place_text((x, z))} that the repair would remove it"
     return SceneError(f'block "{name}"', rule, hint="take a smaller tolerance, or remove the block", blocks=[name])
 
 
