@@ -1,4 +1,4 @@
-"""Units that a mechanical model measures by, by hand: the size of a block, the speed of a support, a weight in the unit of an answer."""
+"""The units of a mechanical model, checked by hand: block size, support speed, and a weight in the unit of the answer."""
 
 from typing import Any
 
@@ -15,14 +15,14 @@ TURNS = {"axis": (0.0, 1.0, 0.0), "point": (-1.0, 0.5, 0.0)}  # beside the suppo
 
 
 def model(**options: Any) -> Assembly:
-    """Two boxes side by side on a support, sharp edges, in the plane."""
+    """Two boxes side by side on a support, with sharp edges; in the plane by default."""
     boxes = scenes.box("low", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), scenes.box("high", (1.0, 0.0, 0.0), (2.0, 1.0, 3.0))
     role = "fixed" if "live" in options else "support"
     return assemble(scenes.build(*boxes, scenes.box("support", (0.0, 0.0, -9.0), (2.0, 1.0, 0.0), role), **options))
 
 
 def test_lengths_are_relative_to_a_cube_with_the_mean_diagonal_of_the_free_blocks() -> None:
-    """1.5 m of the low box, sqrt(11) m of the high one; the support below does not count."""
+    """The diagonal of the low box is 1.5 m, that of the high box sqrt(11) m. The support below does not count."""
     assert model().length == pytest.approx((1.5 + np.sqrt(11.0)) / 2.0 / np.sqrt(3.0))
 
 
@@ -48,9 +48,9 @@ def test_a_multiplier_has_neither_a_speed_nor_a_unit() -> None:
 
 @pytest.mark.parametrize("plane", [True, False])
 def test_contact_forces_have_the_power_of_their_wrenches(plane: bool) -> None:
-    """Virtual power, of random forces and motions: what blocks take as wrenches is what forces do on relative velocities.
+    """For random forces and motions, the power of the block wrenches is that of the contact forces on the relative velocities.
 
-    The matrix of the programmes is the same map in local axes.
+    The kinematic matrix of the programmes gives the same velocities in local axes.
     """
     assembly, random = model(plane=plane), np.random.default_rng(8)
     twists, forces = random.normal(size=(3, 6)), random.normal(size=(len(assembly.points), 3))

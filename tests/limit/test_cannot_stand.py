@@ -1,4 +1,4 @@
-"""Structures without equilibrium: the status says so and names the blocks that fall; and supports that nothing lets move."""
+"""A structure without equilibrium is infeasible, and the falling blocks are named. A support that cannot move is unbounded."""
 
 import warnings
 from dataclasses import replace
@@ -28,7 +28,7 @@ both_drives = pytest.mark.parametrize("drive", [Drive.YIELDING, Drive.PUSHING])
 
 
 def without_value(solution: Solution) -> bool:
-    """Undefined is NaN, never a number that could pass."""
+    """Whether all numbers of a solution are NaN, so that none of them can pass for a result."""
     numbers = [
         solution.value,
         solution.equilibrium_residual,
@@ -98,7 +98,7 @@ def test_thin_arch_names_its_voussoirs_and_not_the_pier_beside_it(plane) -> None
 
 @both_models
 def test_a_corbel_that_tips_names_the_stones_whose_centroids_rise_as_well(plane) -> None:
-    """Of n stones, each shifted by s over the one below, all above the first tip about its end where s is beyond 1/n of a length."""
+    """In a stack of n stones, each shifted by s over the one below, the stones above the first tip if s exceeds 1/n of their length."""
     for shift, stands in ((0.1665, True), (0.1668, False)):
         stones = [scenes.box(f"stone {k}", (k * shift, 0.0, 0.3 * k), (1.0 + k * shift, 1.0, 0.3 * k + 0.3)) for k in range(6)]
         scene = scenes.build(*PADS, STANDING, *stones, plane=plane)
@@ -120,7 +120,7 @@ def test_two_overhangs_may_both_fall(plane) -> None:
 
 @both_models
 def test_live_load_on_what_cannot_stand(plane) -> None:
-    """A multiplier below zero would hold the structure up: that is no structure that stands under its own weight."""
+    """A negative multiplier would hold the structure up, but it does not stand under its own weight."""
     overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
     scene = scenes.build(PADS[0], overhang, live=(1.0, 0.0, 0.2), plane=plane)
     assert falling(scene, Drive.LIVE) == {"overhang"}
@@ -147,7 +147,7 @@ def test_stage_reports_one_status_for_all_drives() -> None:
 
 @both_models
 def test_jammed_support_bears_any_push(plane) -> None:
-    """A flat arch pushed from both sides: nothing lets the abutment move inward."""
+    """A flat arch lies between a fixed block and an abutment. No mechanism moves the abutment inward."""
     parts = (
         scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.4), "fixed"),
         scenes.box("voussoir", (0.0, 0.0, 0.0), (0.6, 1.0, 0.4)),
@@ -160,7 +160,7 @@ def test_jammed_support_bears_any_push(plane) -> None:
 
 
 def test_only_a_thorough_attempt_says_that_nothing_limits_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quick attempt may be wrong. Where no thorough one confirms it, the bound has no answer."""
+    """A quick attempt may be wrong. Unless a thorough attempt confirms it, the bound has no answer."""
     assembly = assemble(scenes.shipped("two_pads"))
     solved = solve_associated(assembly, Drive.YIELDING)
     inaccurate = replace(solved, status=Status.INACCURATE)
@@ -180,7 +180,7 @@ def test_only_a_thorough_attempt_says_that_nothing_limits_a_value(monkeypatch: p
 
 
 def test_the_cost_of_an_answer_holds_that_of_looking_for_a_fall(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Under a live load every answer is followed by the question whether the structure stands without it."""
+    """Under a live load, the solver also checks whether the structure stands without the load. Both costs count."""
     assembly = assemble(scenes.build(*scenes.wall(3, 2, first="half"), live=(1.0, 0.0, 0.0)))
     spent: list[int] = []
 
@@ -200,7 +200,7 @@ def test_the_cost_of_an_answer_holds_that_of_looking_for_a_fall(monkeypatch: pyt
 
 @both_models
 def test_jammed_support_beside_what_cannot_stand(plane) -> None:
-    """Nothing lets the abutment move inward, but the overhang beside it falls all the same."""
+    """No mechanism moves the abutment inward, but the overhang beside it falls."""
     parts = (
         scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.4), "fixed"),
         scenes.box("voussoir", (0.0, 0.0, 0.0), (0.6, 1.0, 0.4)),
@@ -230,7 +230,7 @@ def test_live_load_that_only_presses_is_borne_without_end(plane) -> None:
 
 
 def test_a_structure_that_stands_with_sharp_edges_alone_says_so() -> None:
-    """Its weight acts half a millimetre within the edge of its support: rounded by 1 mm it falls, and the words say by how much."""
+    """The weight acts half a millimetre inside the edge of the support. With edges rounded by 1 mm the stone falls, as the message says."""
     shelf = scenes.box("shelf", (0.0, 0.0, -0.2), (0.5005, 0.4, 0.0), "fixed")
     scene = scenes.build(shelf, scenes.box("stone", (0.0, 0.0, 0.0), (1.0, 0.4, 0.2)), live=(1.0, 0.0, 0.0), settlement=None, inset=1e-3)
     analysis = analyse(scene)
@@ -241,7 +241,7 @@ def test_a_structure_that_stands_with_sharp_edges_alone_says_so() -> None:
     assert "edge of some joint" in concluded.next_step
 
 
-# --- how fast it falls -------------------------------------------------------------------------------------------------------
+# --- speed of the fall -------------------------------------------------------------------------------------------------------
 
 
 def test_a_block_between_smooth_walls_falls_freely() -> None:
@@ -253,7 +253,7 @@ def test_a_block_between_smooth_walls_falls_freely() -> None:
 @both_models
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_a_block_beside_one_wall_falls_along_it(friction: float, plane: bool) -> None:
-    """A smooth wall does not turn it aside. Along a rough one the flow rule moves it away by the friction coefficient."""
+    """A smooth wall does not deflect the block. A rough wall deflects it: by the flow rule it parts at mu times its sliding speed."""
     wall = scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "support")
     assembly = assemble(scenes.build(wall, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=friction, plane=plane))
     assert share_of_free_fall(assembly) == pytest.approx(1.0 / np.hypot(1.0, friction), rel=1e-6)
@@ -261,7 +261,7 @@ def test_a_block_beside_one_wall_falls_along_it(friction: float, plane: bool) ->
 
 @both_models
 def test_each_block_falls_as_fast_as_its_joints_allow_whatever_it_weighs(plane: bool) -> None:
-    """One block falls freely. Another one of four times its weight falls beside a rough wall, which turns it aside."""
+    """One block falls freely. Another block, four times as heavy, falls along a rough wall, which deflects it."""
     friction, times = 0.9, 4.0
     slope = np.hypot(1.0, friction)
     parts = [scenes.box(f"at {x:g}", (x, 0.0, 0.0), (x + 1.0, 1.0, 1.0), role) for x, role in ((-1, "support"), (1, "fixed"), (4, "fixed"))]
@@ -287,7 +287,7 @@ def test_what_hardly_moves_beside_a_falling_block_makes_its_fall_no_slower(plane
 @both_models
 @pytest.mark.parametrize("beyond", [0.5, 0.01])
 def test_a_block_that_tips_falls_by_what_its_centroid_is_beyond_the_edge(beyond: float, plane: bool) -> None:
-    """About the edge its centroid sinks by its distance from it, and its farthest corner moves by its own."""
+    """In a rotation about the edge, the centroid sinks by its horizontal distance, and the farthest corner moves by its distance."""
     pad, lying = 1.0, (2.0 * (1.0 + beyond), 0.4)  # length and height of the block, whose end is 1 m inside of the edge
     held = scenes.box("pad", (-pad, 0.0, -0.2), (0.0, 1.0, 0.0), "support")
     block = scenes.box("block", (-1.0, 0.0, 0.0), (lying[0] - 1.0, 1.0, lying[1]))
@@ -298,7 +298,7 @@ def test_a_block_that_tips_falls_by_what_its_centroid_is_beyond_the_edge(beyond:
 
 @both_drives
 def test_numbers_beyond_all_bounds_warn_nobody(drive: Drive, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where a structure can just not stand, the solver may break off with velocities whose squares are beyond the largest number."""
+    """Where a structure just fails to stand, the solver may break off with velocities whose squares overflow."""
     asked = associated.maximise
 
     def broken_off(*given: Any) -> Any:

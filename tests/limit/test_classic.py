@@ -1,4 +1,4 @@
-"""What the classic iteration for non-associative friction must do, and what its parameters do to it."""
+"""The classic iteration for non-associative friction, and the influence of its parameters."""
 
 import json
 from dataclasses import replace
@@ -50,7 +50,7 @@ def ferris_tin_loi(rows: int) -> Assembly:
 
 @in_plane_and_3d
 def test_block_beside_another_carries_itself(plane: bool) -> None:
-    """Nothing presses the head joint, so real friction carries nothing: W_b; associated friction: W_b / (1 + mu^2)."""
+    """Without a thrust in the head joint, real friction carries no weight: R = W_b. With associated friction, R = W_b / (1 + mu^2)."""
     assembly = two_blocks(plane)
     solution = converged(assembly)
     assert solution.values[0] == pytest.approx(assembly.weight / 2.0 / (1.0 + MU**2), rel=1e-6)
@@ -94,8 +94,8 @@ def test_converged_state_is_admissible_and_does_not_dilate(name: str) -> None:
 
 @pytest.mark.parametrize(("name", "upper_end"), [("wall_third", 1.0 / 12.0), ("wall_half", 0.175)])
 def test_any_small_slope_leads_to_one_end_of_what_friction_allows(name: str, upper_end: float) -> None:
-    """A falling limit rewards every sliding joint for pressing less: the iteration unloads it, and the reaction is the greatest
-    that the mechanism allows, not that of a settlement from rest."""
+    """Where the friction limit falls with the normal force, the iteration unloads every sliding joint. The reaction is then the
+    greatest that the mechanism allows, not that of a settlement from rest."""
     assembly = assemble(scenes.shipped(name))
     for slope in (1e-4, 1e-2):
         value = converged(assembly, parameters=ClassicParameters(slope=slope)).value
@@ -103,7 +103,7 @@ def test_any_small_slope_leads_to_one_end_of_what_friction_allows(name: str, upp
 
 
 def test_slope_makes_sliding_joints_close() -> None:
-    """u_n = -a mu |u_t|: in proportion to the slope the mechanism penetrates."""
+    """u_n = -a mu |u_t|: the penetration of the mechanism is proportional to the slope a."""
     assembly = ferris_tin_loi(6)
     small, large = (converged(assembly, Drive.LIVE, ClassicParameters(slope=slope)).penetration for slope in (0.01, 0.1))
     assert large == pytest.approx(10.0 * small, rel=0.1)

@@ -1,4 +1,4 @@
-"""Dead loads at points, on lines and on areas have closed forms, and equal ones are equal however they are given."""
+"""Dead loads at points, on lines and on areas match closed forms. Equal loads have equal effects in whatever form they are stated."""
 
 from typing import Any
 
@@ -29,7 +29,7 @@ def test_the_prediction_carries_loads_too() -> None:
     assert la_core.solve(scene).coulomb == pytest.approx((0.3 * OWN + 0.5 * 3000.0) / 0.8, abs=PREDICTED * scene.weight)
 
 
-SAME_LOADS = {  # 600 kg on the whole beam, each in another way
+SAME_LOADS = {  # 600 kg on the whole beam, stated in different ways
     "density": (),
     "mass of the block": (load(mass=600.0),),
     "force": (load(force=(0.0, 0.0, -600.0 * 9.81)),),
@@ -53,7 +53,7 @@ def test_equal_loads_given_in_another_way_are_equal(way: str, drive: Drive) -> N
 
 
 def test_a_live_load_pushes_masses_and_no_forces() -> None:
-    """Both loads press the block down; the mass is pushed, too."""
+    """Both loads press the block down, but the live load pushes the mass alone."""
     push = {"live": (1.0, 0.0, 0.0), "settlement": None, "friction": 0.3}
     block = (*STACK[:2],)
     weight = 2000.0 * 9.81 * 0.2
@@ -73,7 +73,7 @@ def test_a_mass_high_above_tips_under_a_live_load_with_its_own_lever_arm() -> No
 
 
 def test_a_load_on_a_slope_acts_on_its_plan() -> None:
-    """Half of a gable's top: the mass is for each square metre of plan, and acts in the middle of the face."""
+    """One slope of a gable: the mass is per square metre of plan and acts in the middle of the face."""
     gable = scenes.block("beam", prism=(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), (0.0, 2.0)))
     scene = scenes.build(*BEAM[:2], gable, load(mass=100.0, per="m2"))
     assert scene.loads.mass == pytest.approx([200.0])
@@ -81,7 +81,7 @@ def test_a_load_on_a_slope_acts_on_its_plan() -> None:
 
 
 def test_a_load_above_a_notch_acts_on_the_upper_faces_alone() -> None:
-    """A block of several convex parts: what lies under a part of the same block carries nothing."""
+    """In a block of several convex parts, a face below another part of the same block carries no load."""
     notched = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.4, 0.2), (0.4, 0.4), (1.0, 0.4), (1.0, 0.6), (0.0, 0.6))
     scene = scenes.build(*BEAM[:2], scenes.block("beam", prism=(notched, (0.0, 1.0))), load(mass=100.0, per="m2"))
     assert scene.loads.mass.sum() == pytest.approx(100.0)
@@ -98,7 +98,7 @@ def test_a_fill_over_an_arch_acts_on_its_outer_face_alone(blocks: list[str]) -> 
 
 @pytest.mark.parametrize("voussoirs", [15, 16, 40, 200])
 def test_a_fill_over_an_arch_acts_on_its_steepest_flanks_too(voussoirs: int) -> None:
-    """The outer face of the lowest voussoir faces up by sin(90° / voussoirs) alone; its joint with the next one faces up fully."""
+    """The normal of the lowest voussoir's outer face rises by only sin(90° / voussoirs). Its upper joint faces almost straight up."""
     scene = scenes.build(scenes.arch(voussoirs, 0.2, depth=3.0), load(blocks=["arch *"], mass=100.0, per="m2"))
     span = np.diff(-1.1 * np.cos(np.pi * np.arange(voussoirs + 1) / voussoirs))
     assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
@@ -106,7 +106,7 @@ def test_a_fill_over_an_arch_acts_on_its_steepest_flanks_too(voussoirs: int) -> 
 
 
 def test_a_fill_over_two_rings_lies_on_the_outer_one() -> None:
-    """It is refused on both rings; the message says which one to choose."""
+    """A load on both rings is refused, and the message names the ring to choose."""
 
     def loaded(pattern: str) -> la_core.Scene:
         arch = scenes.arch(16, 0.2, depth=3.0).replace("thickness", "rings = 2\nthickness")
@@ -118,7 +118,7 @@ def test_a_fill_over_two_rings_lies_on_the_outer_one() -> None:
 
 
 def test_a_mass_on_each_block_lies_on_both_rings() -> None:
-    """It asks for no face: only loads for each metre or square metre do."""
+    """Only loads per metre or per square metre need a top face. A mass on each block does not."""
     arch = scenes.arch(16, 0.2, depth=3.0).replace("thickness", "rings = 2\nthickness")
     assert scenes.build(arch, load(blocks=["arch *"], mass=100.0)).loads.mass.tolist() == [100.0] * 32
 
@@ -134,13 +134,13 @@ def test_a_mass_on_each_block_lies_on_both_rings() -> None:
     ids=["a line beside the blocks", "a spire", "a spire in a region"],
 )  # fmt: skip
 def test_a_load_that_no_face_carries_is_refused(blocks: tuple[str, ...], given: dict[str, Any], told: str) -> None:
-    """Else it would be a load of nothing."""
+    """Otherwise the load would vanish without a message."""
     with pytest.raises(SceneError, match=told):
         scenes.build(*blocks, load(mass=100.0, **given))
 
 
 def test_a_floor_on_a_course_with_a_leaning_face_acts_on_its_bed_joint() -> None:
-    """The next course is not loaded, so the floor lies on the joint, as that of an upright wall, and not on the leaning face."""
+    """The next course is not loaded, so the floor lies on the bed joint, as in an upright wall, and not on the leaning face."""
     courses = [((0.0, 0.0), (1.0, 0.0), (0.98, 0.4), (0.0, 0.4)), ((0.0, 0.4), (0.98, 0.4), (0.96, 0.8), (0.0, 0.8))]
     stones = [scenes.block(f"course {k}", prism=(profile, (0.0, 1.0))) for k, profile in enumerate(courses)]
     ground = scenes.box("ground", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "fixed")
@@ -152,7 +152,7 @@ def test_a_floor_on_a_course_with_a_leaning_face_acts_on_its_bed_joint() -> None
 
 @pytest.mark.parametrize("east", [0.0, 1000.0])
 def test_a_joint_carries_nothing_however_far_the_structure_is_from_the_origin(east: float) -> None:
-    """Its faces differ by a tenth of a millimetre, as typed coordinates do."""
+    """The two faces of the joint differ by a tenth of a millimetre, as typed coordinates do."""
     ground = scenes.box("ground", (east, 0.0, -0.2), (east + 2.5, 1.0, 0.0), "fixed")
     profiles = {"left": (0.0, 1.0, 1.5, 0.0), "right": (1.0001, 2.5, 2.5, 1.5)}
     stones = [
@@ -198,7 +198,7 @@ def test_a_force_across_or_beside_the_middle_makes_the_model_one_in_space(force:
 
 @pytest.mark.parametrize("size", [900.0, -900.0])
 def test_a_tie_beside_the_middle_makes_the_model_one_in_space(size: float) -> None:
-    """A force against the pull of the tie, at its place, leaves nothing of both."""
+    """A force against the pull of the tie, at the end of the tie, cancels it."""
     rod = tie(["beam"], (0.5, 0.6, 0.3), (0.5, 0.6, 5.0), 900.0)
     effects = assemble(scenes.build(*BEAM, rod, load(force=(0.0, 0.0, size), at=(0.5, 0.6, 0.3)))).effects
     assert effects.plane is (size < 0.0)
@@ -207,7 +207,7 @@ def test_a_tie_beside_the_middle_makes_the_model_one_in_space(size: float) -> No
 @pytest.mark.parametrize("push", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
 @pytest.mark.parametrize("y", [0.5, 0.6])
 def test_a_mass_beside_the_middle_is_pushed_there_although_a_force_bears_its_weight(y: float, push: tuple[float, ...]) -> None:
-    """The dead loads are in the plane then, and the push turns the block about z, or about x, where the mass lies beside the middle."""
+    """The dead loads are then in the plane. Where the mass lies beside the middle, the push turns the block about z or about x."""
     carried = {"blocks": ["lower"], "at": (0.5, y, 0.1)}
     loads = load(**carried, mass=100.0), load(**carried, force=(0.0, 0.0, 100.0 * 9.81))
     assert assemble(scenes.build(*STACK[:2], *loads, live=push, settlement=None)).effects.plane is (y == 0.5)

@@ -1,4 +1,4 @@
-"""Laws of the measures of a mechanism: closed forms, the balance of power, invariance; and of the figure that shows them."""
+"""Measures of a mechanism and their figure: closed forms, the balance of power and invariance."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +19,7 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.scene import shipped
 from la_core.scene.scene import Scene
 
-SOLVER = 1e-6  # relative: what la_core promises of an answer called solved
+SOLVER = 1e-6  # relative: residual that la_core allows in an answer called solved
 RIGID = 1e-6  # threshold for mechanisms of rigid blocks, whose only noise is the solver's
 NAMES = [name for name in shipped.names() if name not in shipped.LONG and scenes.shipped(name).live is None]
 
@@ -49,7 +49,7 @@ def measured(scene: Scene, drive: Drive = Drive.YIELDING) -> MechanismMeasures:
 
 
 def dragged(friction: float) -> tuple[Assembly, np.ndarray, np.ndarray]:
-    """A block that slides over its base at unit speed without dilating, its weight evenly on all points: real friction."""
+    """A block that slides over its base at unit speed with Coulomb friction, without dilating. All points share its weight equally."""
     assembly = assemble(scenes.build(*SLIDER, friction=friction, live=(1.0, 0.0, 0.0)))
     twists = np.zeros((len(assembly.blocks), 6))
     twists[assembly.blocks.free, 0] = 1.0
@@ -66,8 +66,8 @@ def test_two_blocks_side_by_side_dissipate_alike_in_both_joints_that_slide(frict
     scene = side_by_side(friction, plane)
     assembly, solution = solved(scene)
     measures = measure(assembly, solution.twists, solution.forces)
-    # The block sinks by 1/(1 + mu^2) and leaves sideways by mu of that; it presses W_b/(1 + mu^2) on its base and mu of that on
-    # the head joint, and slides over both with mu n |u_t| = mu^2 W_b/(1 + mu^2)^2.
+    # The block sinks at 1/(1 + mu^2) and moves sideways at mu times that speed. It presses with W_b/(1 + mu^2) on its base and
+    # with mu times that force on the head joint. Each joint dissipates mu n |u_t| = mu^2 W_b/(1 + mu^2)^2.
     each = friction**2 * (assembly.weight / 2.0) / (1.0 + friction**2) ** 2
     assert np.sort(measures.dissipation_per_interface) == pytest.approx([0.0, each, each], rel=SOLVER)
     assert measures.dissipated_power == pytest.approx(2.0 * each, rel=SOLVER)
@@ -80,7 +80,7 @@ def test_two_blocks_side_by_side_dissipate_alike_in_both_joints_that_slide(frict
 
 @pytest.mark.parametrize("length", [1.0, 200.0])
 def test_a_support_that_reaches_far_beyond_the_structure_does_not_make_its_blocks_seem_at_rest(length: float) -> None:
-    """A block on two pads, of which the right one turns about a point below the block: its far end moves 200 times as fast."""
+    """The right pad of a block turns about a point below the block. The end of a pad of 200 m moves some 250 times as fast as the block."""
     held = (
         scenes.box("fixed", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
         scenes.box("turns", (0.5, 0.0, -0.1), (length, 0.2, 0.0), "support"),
@@ -121,7 +121,7 @@ def test_real_friction_dissipates_without_dilating() -> None:
 
 @pytest.mark.parametrize(("sinks", "exchanged"), [(0.2, 0.2), (-0.2, 0.2), (0.0, mechanism.LEAST_EXCHANGE)])
 def test_friction_has_its_share_of_the_power_that_the_weights_exchange(sinks: float, exchanged: float) -> None:
-    """mu W |u_t| over W |v_z|, sinking or rising; level, over the least power that counts."""
+    """The share is mu W |u_t| / (W |v_z|) for a sinking or rising block. For level motion, the divisor is the least power that counts."""
     assembly, twists, forces = dragged(0.3)
     twists[assembly.blocks.free, 2] = -sinks
     assert mechanism.friction_power(assembly, twists, forces) == pytest.approx(0.3 * assembly.weight)
@@ -147,7 +147,7 @@ def test_participation_counts_the_interfaces_that_share_equally(count: int) -> N
 
 @pytest.mark.parametrize(("sinks", "known"), [(0.0, False), (1e-6, False), (0.2, True)])
 def test_where_no_weight_sinks_there_is_no_share_of_its_work(sinks: float, known: bool) -> None:
-    """A plate is drawn out from under a block, which strains its joints at most: reports said 1.4e8 % of the settling weight's work."""
+    """A plate is drawn out from under a block that hardly sinks. Reports stated that friction took 1.4e8 % of the weight's work."""
     friction = 0.5
     held = (
         scenes.box("plate", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),
@@ -217,7 +217,7 @@ def test_a_point_that_parts_opens_unless_it_slides_under_load() -> None:
     ],
 )
 def test_a_joint_slides_where_friction_works_before_it_opens(points: str, loaded: tuple[float, float], joint: str) -> None:
-    """The state of a joint of two contact points, which are pressed by these shares of the weight."""
+    """A joint has two contact points. Each is pressed by the given share of the weight."""
     assembly = assemble(scenes.build(*SLIDER, live=(1.0, 0.0, 0.0), plane=True))
     states = np.array([ContactState[name.upper()] for name in points.split()])
     forces = np.array(loaded)[:, None] * assembly.weight * assembly.normal
@@ -282,7 +282,7 @@ def test_weights_work_against_reaction_friction_and_dilation(name: str, drive: D
     dilation = float(np.sum(compression * parting))
     unit = max(assembly.weight, float(compression.sum())) * float(slip.max() + np.abs(parting).max())  # thrusts exceed weights in a dome
     assert work == pytest.approx(drive.value * solution.value + measures.dissipated_power - dilation, abs=1e-6 * unit)
-    # Associated sliding does no net work: dilation gives back all that friction takes.
+    # Associated sliding does no net work: the dilation returns the work of friction.
     assert measures.dissipated_power == pytest.approx(dilation, abs=1e-6 * unit)
 
 

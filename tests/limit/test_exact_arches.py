@@ -31,9 +31,9 @@ def test_flat_arch_thrust(voussoirs, friction, plane) -> None:
 
 
 class RingOfSectors:
-    """Statics of a semicircular ring of sectors (weights of curved sectors, or along the centre line) with n radial joints.
+    """Statics of a semicircular ring of equal sectors between radial joints, with the weights of curved sectors or of the centre line.
 
-    Angles from the crown; the right half carries `count` sectors whose weights act at x = radius of gravity times sin.
+    Angles are measured from the crown. The weight of a sector acts at x = radius of gravity times the sine of its middle angle.
     """
 
     def __init__(self, thickness: float, voussoirs: int, centreline: bool = False) -> None:
@@ -45,7 +45,7 @@ class RingOfSectors:
         self.middles = (np.arange(voussoirs) + 0.5) * opening - math.pi / 2.0
 
     def loaded(self, assembly: Assembly) -> Assembly:
-        """The assembly of straight-sided voussoirs with these weights in place of their own; unit total weight."""
+        """The assembly of straight-sided voussoirs with the weights of this ring in place of their own; the total weight is one."""
         load = np.zeros_like(assembly.dead_load)
         voussoirs = slice(0, self.voussoirs)  # the generator puts the springers last
         arm = self.gravity_radius * np.sin(self.middles) - assembly.blocks.centroid[voussoirs, 0]
@@ -95,7 +95,7 @@ SEMICIRCLE = {
 @pytest.mark.parametrize("thickness", SEMICIRCLE)
 def test_ring_of_many_sectors_reaches_the_closed_form(thickness) -> None:
     least, greatest, vertical = SEMICIRCLE[thickness]
-    many = 720  # the joint nearest to the best one is 1/8 degree off: 2e-6 of the thrust, which is stationary there
+    many = 720  # the joint nearest to the hinge is 1/8 degree off: 2e-6 of the thrust, which is stationary there
     assembly = ring(thickness, many)
     assert value(assembly) == pytest.approx(least, abs=FIVE_DIGITS)
     assert value(assembly, Drive.PUSHING) == pytest.approx(greatest, abs=FIVE_DIGITS)
@@ -121,15 +121,15 @@ def test_least_thickness_of_a_semicircular_arch() -> None:
 def test_thrust_at_the_least_thickness() -> None:
     assembly = ring(LEAST_THICKNESS + 1e-6, HAUNCH_JOINT, centreline=True)
     per_arc = 1.0 / math.pi  # weight per unit of centre line, for unit weight and radius
-    last_digits = 2e-6  # half of the last one, and the room that a millionth of thickness leaves
+    last_digits = 2e-6  # half of the last digit, and the change of the thrust by a millionth of thickness
     assert value(assembly) / per_arc == pytest.approx(0.621772, abs=last_digits)
     assert value(assembly, Drive.PUSHING) / per_arc == pytest.approx(0.621772, abs=last_digits)
 
 
-# A millionth of thickness leaves the thrust, hence mu, some room; cones cannot be certified as close to the threshold as lines.
+# The extra millionth of thickness admits a small range of thrusts and of mu. Cones cannot be certified as close to the threshold as lines.
 @pytest.mark.parametrize(("plane", "margin"), [(True, 3e-6), (False, 1e-4)], ids=["plane", "3D"])
 def test_sliding_threshold_of_the_thinnest_arch(plane, margin) -> None:
-    """Above mu = 0.395832 the thinnest arch fails by hinges alone; below, sliding brings it down although it could still hinge."""
+    """Above mu = 0.395832 only hinges limit the thinnest arch. Below, it fails by sliding, although its thickness suffices for hinges."""
     thickness = LEAST_THICKNESS + 1e-6
     assert stands(ring(thickness, HAUNCH_JOINT, plane, centreline=True, model="associated", friction=0.395832 + margin))
     assert not stands(ring(thickness, HAUNCH_JOINT, plane, centreline=True, model="associated", friction=0.395832 - margin))
@@ -137,14 +137,14 @@ def test_sliding_threshold_of_the_thinnest_arch(plane, margin) -> None:
 
 @pytest.mark.parametrize("thickness", [0.5, 1.0])
 def test_friction_below_which_no_thickness_helps(thickness) -> None:
-    last_digits = 2e-6  # joints every half degree: the nearest to the critical one at 28 degrees misses it by less than this
+    last_digits = 2e-6  # joints every half degree; the nearest one to the critical joint at 28 degrees errs by less than this
     assert stands(ring(thickness, HAUNCH_JOINT, centreline=True, model="associated", friction=0.309215 + last_digits))
     assert not stands(ring(thickness, HAUNCH_JOINT, centreline=True, model="associated", friction=0.309215 - last_digits))
 
 
 @in_plane_and_3d
 def test_arch_of_eleven_voussoirs(plane) -> None:
-    """Digits of an independent prototype."""
+    """Values of an independent prototype, to five digits."""
 
     def reaction(direction, drive=Drive.YIELDING) -> float:
         scene = scenes.build(scenes.arch(11, 0.15), friction=0.7, settlement=direction, plane=plane)

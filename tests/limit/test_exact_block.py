@@ -33,7 +33,7 @@ def column(breadth: float, height: float, friction: float, tilt: float = 0.0, az
 @pytest.mark.parametrize("azimuth", AZIMUTHS)
 @pytest.mark.parametrize(("breadth", "height", "friction"), [(1.0, 0.5, 0.6), (1.0, 2.5, 0.6), (0.4, 0.5, 0.35), (1.0, 1.0, 1.2)])
 def test_block_under_a_horizontal_load_slides_or_tips(breadth, height, friction, azimuth) -> None:
-    """lambda = min(mu, b/h) across an edge; askew, the block tips over the edge that the load crosses most squarely."""
+    """lambda = min(mu, b/h) for a load across an edge. Under an oblique load, the block tips over the edge most nearly square to it."""
     tipping = breadth / height / max(abs(math.cos(azimuth)), abs(math.sin(azimuth)))
     scene = column(breadth, height, friction, azimuth=azimuth, plane=False)
     assert value(scene, Drive.LIVE) == pytest.approx(min(friction, tipping), abs=EXACT)
@@ -45,7 +45,7 @@ def test_inclined_plane_in_both_models(breadth, height, friction, plane) -> None
     critical = min(friction, breadth / height)
     tilt = 0.5 * math.atan(critical)
     live = value(column(breadth, height, friction, tilt, plane=plane), Drive.LIVE)
-    # The live load is along the plane: it adds lambda W to the weight's own part.
+    # The live load is along the plane: it adds lambda W to the downhill component of the weight.
     assert live == pytest.approx(critical * math.cos(tilt) - math.sin(tilt), abs=EXACT)
 
 

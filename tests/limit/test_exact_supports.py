@@ -74,7 +74,7 @@ def test_slab_on_four_corner_pads(xi, eta) -> None:
 
 @pytest.mark.parametrize("inset", [0.001, 0.01])
 def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
-    """Points at f1 - inset and m1 - inset carry the block; the answer for sharp edges stays."""
+    """The block rests on points at 0.4 m - inset and 1 m - inset. The answer for sharp edges does not change."""
     scene = scenes.load(two_pads.replace("friction = 0.6", f"friction = 0.6\ninset = {inset}"))
     analysis = analyse(scene)
     assert analysis.assembly.inset == inset
@@ -85,12 +85,12 @@ def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
 
 @pytest.mark.parametrize("width", [0.4, 0.02])
 def test_sharp_scene_is_compared_at_the_smallest_inset(width) -> None:
-    """YADE's contact spheres need an inset; limit analysis takes the same one beside its answer for sharp edges."""
+    """YADE's contact spheres need an inset. Limit analysis solves with the same inset and, in addition, with sharp edges."""
     scene = scenes.build(*scenes.base(width, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)))
     analysis = analyse(scene)
     inset = analysis.assembly.inset
     assert 0.0 < inset <= min(0.001, 0.02 * width)
-    # Edges of the two bases that carry: the fixed one's right edge, the settling one's right edge, both drawn in.
+    # The right edges of both bases carry the block; each is moved inwards by the inset.
     fixed = width - inset
     assert analysis.bounds[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - fixed) / (1.0 - inset - fixed), abs=EXACT)
     assert analysis.sharp.bounds[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - width) / (1.0 - width), abs=EXACT)

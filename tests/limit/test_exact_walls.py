@@ -1,4 +1,4 @@
-"""Walls and shipped scenes have values of closed forms, publications and an independent prototype."""
+"""Walls and shipped scenes have the values of closed forms, publications and an independent prototype."""
 
 import tomllib
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ COULOMB_ALONE = "wall_low_friction"  # its joints slide: its exact value is that
 
 
 def with_associated_value() -> Iterator[str]:
-    """Shipped scenes of a settlement that state a value which the associated problem has: a new one is held without being listed."""
+    """Shipped scenes with a settlement and an expected associated value. A new scene is tested without being listed."""
     for path in scenes.SHIPPED.glob("*.toml"):
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
         if {"expected", "settlement"} <= tables.keys() and path.stem != COULOMB_ALONE:
@@ -58,6 +58,6 @@ def test_walls_of_ferris_and_tin_loi(courses, published, plane) -> None:
 @in_plane_and_3d
 @pytest.mark.parametrize(("friction", "split", "computed"), [(0.6, 1.2, 0.1286765), (0.3, 1.2, 0.1761531), (0.6, 1.6, 0.0612745)])
 def test_running_bond_wall(friction, split, computed, plane) -> None:
-    """Digits of an independent prototype."""
+    """Values of an independent prototype, to seven digits."""
     scene = scenes.build(*scenes.wall(6, 10, split, block_size=(0.4, 1.0, 0.2)), friction=friction, plane=plane)
     assert value(scene) == pytest.approx(computed, abs=SEVEN_DIGITS)

@@ -1,4 +1,4 @@
-"""Classes of joints have frictions of their own, and a structure slides in the weakest."""
+"""Each class of joints has its own friction coefficient, and a structure slides in its weakest joint."""
 
 from collections.abc import Sequence
 from typing import Any

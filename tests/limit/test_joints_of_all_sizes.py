@@ -1,4 +1,4 @@
-"""Short joints beside long ones: they neither rule the inset of the others nor change the answer."""
+"""Short joints beside long ones neither determine the inset of the long joints nor change the answer."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ INSET = 0.004  # m
 
 
 def stepped(share: float, inset: float = INSET, at: float = 1.3) -> Scene:
-    """Two courses on two pads: the upper joint is beside the lower one by `share` m, so one bed joint is as short as that."""
+    """Two courses on two pads. The upper head joint is `share` (m) beside the lower one, so one bed joint has this length."""
     lower = [scenes.box("a", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), scenes.box("b", (1.0, 0.0, 0.0), (2.0, 1.0, 0.5))]
     upper = [scenes.box("c", (0.0, 0.0, 0.5), (1.0 + share, 1.0, 1.0)), scenes.box("d", (1.0 + share, 0.0, 0.5), (2.0, 1.0, 1.0))]
     return scenes.build(*scenes.base(at, 2.0), *lower, *upper, inset=inset)
@@ -37,7 +37,7 @@ def test_the_travel_of_the_support_does_not_depend_on_a_short_joint(plane: bool)
 
 
 def test_the_answer_does_not_depend_on_where_a_joint_begins_to_be_short() -> None:
-    """At 16 mm the inset of the short joint begins to shrink, and the answer changes as little as anywhere else."""
+    """Below 16 mm the inset of the short joint shrinks. The answer changes as little there as elsewhere."""
     values = np.array([bound(stepped(share, at=0.7)) for share in (0.0165, 0.0161, 0.0159, 0.0155)])
     assert np.ptp(values) < 0.005 * values.mean()
 

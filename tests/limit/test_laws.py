@@ -1,4 +1,4 @@
-"""Laws of one answer: equilibrium, cones, flow rule and duality by hand, and an independent linear programme."""
+"""Laws of one answer: equilibrium, cones, flow rule and duality, checked by hand and by an independent linear programme."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ from la_core.limit.problem import Drive
 from la_core.measures import residuals
 from la_core.model.assembly import assemble
 
-RESIDUAL = 1e-6  # of the mean block weight: what la_core promises of an answer called solved
+RESIDUAL = 1e-6  # of the mean block weight: residual that la_core allows in an answer called solved
 
 
 # --- one answer, checked by hand-written mechanics ---------------------------------------------------------------------------
@@ -56,7 +56,7 @@ def test_forces_push_and_stay_within_friction(name) -> None:
 
 @every_scene
 def test_mechanism_obeys_the_flow_rule_and_dissipates_nothing(name) -> None:
-    """Associated flow: u_n >= mu |u_t| everywhere, and forces do no work on it (complementarity)."""
+    """Associated flow: u_n >= mu |u_t| at every point, and the contact forces do no work in the mechanism (complementarity)."""
     for assembly, drive, solution in solutions(scenes.load(TEXTS[name])):
         blocks, twists = assembly.blocks, solution.twists
         fastest, power = 0.0, 0.0
@@ -96,7 +96,7 @@ def test_value_from_forces_is_value_from_work(name) -> None:
         assert solution.value == pytest.approx(work if drive is Drive.YIELDING else -work, abs=ROUND_OFF * assembly.weight)
 
 
-# --- an independent solver on the other form of the problem ------------------------------------------------------------------
+# --- an independent solver on the static form --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["wall_third", "wall_half", "wall_long", "wall_tall", "facade"])
@@ -127,7 +127,7 @@ def test_highs_agrees_on_live_loads() -> None:
 
 
 def test_great_friction_does_not_hide_a_penetration() -> None:
-    """The flow rule divides by sqrt(1 + mu^2); blocks that penetrate violate it by their full speed all the same."""
+    """The violation of the flow rule is divided by sqrt(1 + mu^2), but blocks that penetrate violate it by their full speed."""
     scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), friction=1e3)
     assembly = assemble(scene)
     sinking = np.zeros((len(scene.blocks), 6))
@@ -142,7 +142,7 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
 
 @pytest.mark.parametrize("options", [{"friction": 0.0}, {"friction": 0.6}, {"model": "none-slides"}])
 def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -> None:
-    """Without friction, or with friction without limit, there is no excess of friction that a tension would show in."""
+    """Without friction, or with unlimited friction, a tension causes no excess of friction, so it must count by itself."""
     scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), **options)
     assembly = assemble(scene)
     forces = np.zeros((len(assembly.points), 3))
@@ -152,7 +152,7 @@ def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -
 
 @pytest.mark.parametrize(("options", "excess"), [({"friction": 0.0}, 0.9), ({"friction": 0.6}, 0.3), ({"model": "none-slides"}, 0.0)])
 def test_one_force_beyond_its_friction_counts_by_what_is_beyond(options: dict[str, Any], excess: float) -> None:
-    """Nine tenths of its normal force across, beside points without force; where sliding is excluded nothing is beyond."""
+    """Only one point is loaded, with a friction force of 0.9 of its normal force. Where sliding is excluded, no friction is in excess."""
     scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), **options)
     assembly = assemble(scene)
     forces = np.zeros((len(assembly.points), 3))
@@ -162,9 +162,9 @@ def test_one_force_beyond_its_friction_counts_by_what_is_beyond(options: dict[st
 
 @pytest.mark.parametrize(("plane", "across"), [(True, 0.0), (False, 0.2)])
 def test_a_force_across_the_plane_is_out_of_balance_in_space_alone(plane: bool, across: float) -> None:
-    """The base carries the block and pushes it across by a fifth of its weight, a quarter of a metre below its centroid.
+    """The base carries the block and pushes it along y with a fifth of its weight, a quarter of a metre below its centroid.
 
-    The moment over the mean size of a block, 1.5 m / sqrt(3), is less than the force.
+    The moment divided by the mean block size, 1.5 m / sqrt(3), is less than the force.
     """
     scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), plane=plane)
     assembly = assemble(scene)
@@ -175,7 +175,7 @@ def test_a_force_across_the_plane_is_out_of_balance_in_space_alone(plane: bool, 
 
 @pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (0.0, 0.0, -1.0)])
 def test_forces_that_balance_a_share_of_the_live_load_have_it_as_multiplier(direction: tuple[float, float, float]) -> None:
-    """Weight and three tenths of the load, which may lift or press the block as well as push it."""
+    """The forces balance the weight and three tenths of the live load, which pushes, lifts or presses the block."""
     parts = scenes.box("base", (-1.0, 0.0, -0.2), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
     assembly = assemble(scenes.build(*parts, live=direction))
     on_base = (np.array([0.0, 0.0, -1.0]) + 0.3 * np.array(direction)) * assembly.weight / len(assembly.points)
@@ -184,7 +184,7 @@ def test_forces_that_balance_a_share_of_the_live_load_have_it_as_multiplier(dire
 
 
 def test_the_residuals_of_undefined_forces_and_motions_are_undefined() -> None:
-    """One undefined number among defined ones: a residual of 0 would pass every tolerance."""
+    """One of the numbers is NaN. A residual of 0 would then pass every tolerance."""
     assembly = assemble(scenes.shipped("two_pads"))
     forces, twists = np.zeros((len(assembly.points), 3)), np.zeros((len(assembly.blocks), 6))
     assert residuals.cone_violation(assembly, forces) == residuals.penetration(assembly, twists) == 0.0

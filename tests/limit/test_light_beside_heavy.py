@@ -1,4 +1,4 @@
-"""A reaction of light blocks beside heavy ones: the error of its value is known, however small the residuals of the heavy blocks are."""
+"""The error of a light block's reaction beside heavy blocks is known: a residual that is small for them may be large for it."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,11 +19,11 @@ from la_core.scene.scene import Scene
 
 GRAVITY, DENSITY = 9.81, 2000.0
 NOTHING = 1e-7  # N
-SIZES = [0.2, 1.0, 5.0, 28.0, 30.0, 33.0]  # of a cube beside a stone of 12.8 kg, m: its mass is 1.25 to 6 million times the stone's
+SIZES = [0.2, 1.0, 5.0, 28.0, 30.0, 33.0]  # m, of a cube beside a stone of 12.8 kg; its mass is 1.25 times to 6 million times the stone's
 
 
 def doorstep(cube: float) -> Scene:
-    """A stone of 0.2 x 0.2 x 0.16 m on two pads of 0.06 m, of which the right one settles, and a cube on ground of its own."""
+    """A stone of 0.2 x 0.2 x 0.16 m on two pads of 0.06 m, of which the right one settles, and a cube on its own ground."""
     return scenes.build(
         scenes.box("ground", (0.0, 0.0, -0.2), (cube, cube, 0.0), "fixed"),
         scenes.box("cube", (0.0, 0.0, 0.0), (cube, cube, cube)),
@@ -51,7 +51,7 @@ def beside(size: float, role: str) -> Scene:
 
 @pytest.mark.parametrize("cube", SIZES)
 def test_the_reaction_of_a_stone_beside_a_cube_is_that_of_statics(cube: float) -> None:
-    """It turns about the inner or the outer edge of the left pad: R = W 0.04 / 0.14 and W 0.10 / 0.14."""
+    """The stone turns about the inner or the outer edge of the left pad: R = W 0.04 / 0.14 and W 0.10 / 0.14."""
     scene = doorstep(cube)
     assembly, weight = assemble(scene), 0.2 * 0.2 * 0.16 * DENSITY * GRAVITY
     for drive, share in ((Drive.YIELDING, 0.04 / 0.14), (Drive.PUSHING, 0.10 / 0.14)):
@@ -67,7 +67,7 @@ def test_the_reaction_of_a_stone_beside_a_cube_is_that_of_statics(cube: float) -
 
 @pytest.mark.parametrize("size", [1.0, 10.0, 100.0, 1000.0])
 def test_a_heavy_block_that_rests_is_as_good_as_ground(size: float) -> None:
-    """The bounds of two stones beside it are those beside a fixed block, to within the error that they tell."""
+    """Two stones beside a heavy free block have the same bounds as beside a fixed block, within the stated errors."""
     heavy, fixed = (assemble(beside(size, role)) for role in ("free", "fixed"))
     for drive in (Drive.YIELDING, Drive.PUSHING):
         bound, other = solve_associated(heavy, drive), solve_associated(fixed, drive)
@@ -76,7 +76,7 @@ def test_a_heavy_block_that_rests_is_as_good_as_ground(size: float) -> None:
 
 
 def loaded(drive: Drive, settlement: object) -> Scene:
-    """A stone on a fixed pad and one that settles or turns, or pushed over the edge of a fixed one."""
+    """A stone on a fixed pad and a pad that settles or turns. Under a live load, both pads are fixed."""
     pads = [scenes.box("left pad", (0.0, 0.0, -0.2), (0.06, 0.2, 0.0), "fixed")]
     pads += [scenes.box("right pad", (0.14, 0.0, -0.2), (0.2, 0.2, 0.0), "fixed" if drive is Drive.LIVE else "support")]
     stone = scenes.box("stone", (0.0, 0.0, 0.0), (0.2, 0.2, 0.16))
@@ -95,7 +95,7 @@ def loaded(drive: Drive, settlement: object) -> Scene:
     ids=["yielding", "pushing", "turning", "live load"],
 )
 def test_forces_that_balance_another_load_are_off_by_their_power(drive: Drive, settlement: object) -> None:
-    """The stone weighs a thousandth less: the forces of its answer, taken for those of the stone, err by the change of the value."""
+    """The forces for a stone that is a thousandth lighter are out of balance. The power of the imbalance is the change of the value."""
     assembly = assemble(loaded(drive, settlement))
     solution = solve_associated(assembly, drive)
     lighter = solve_associated(replace(assembly, dead_load=0.999 * assembly.dead_load), drive)
@@ -121,7 +121,7 @@ def sliding_stone(friction: float, *parts: str, **options: Any) -> Scene:
 
 
 def test_where_joints_slide_a_force_out_of_balance_also_changes_friction() -> None:
-    """A stone that slides on a level plate: a weight of 1 N more does no work, and changes the force of the plate by mu."""
+    """A stone slides on a level plate. One newton more of weight does no work, but changes the friction of the plate by mu newtons."""
     friction = 0.3
     analysis = analyse(sliding_stone(friction))
     assembly, coulomb = analysis.assembly, analysis.coulomb
@@ -133,7 +133,7 @@ def test_where_joints_slide_a_force_out_of_balance_also_changes_friction() -> No
 
 @pytest.mark.parametrize("size", [1.0, 5.0, 300.0])
 def test_a_cube_beside_a_sliding_stone_changes_its_prediction_by_no_more_than_it_states(size: float) -> None:
-    """A path takes a hundred-millionth of the mean weight for round-off: all friction of the stone, beside a cube of 300 m."""
+    """The path takes 1e-8 of the mean weight for round-off. Beside a cube of 300 m, this exceeds the friction force of the stone."""
     ground = scenes.box("ground", (5.0, 0.0, -0.2), (5.0 + size, size, 0.0), "fixed")
     cube = scenes.box("cube", (5.0, 0.0, 0.0), (5.0 + size, size, size))
     alone, beside_it = (analyse(sliding_stone(0.3, *parts, reach=False)).coulomb for parts in ((), (ground, cube)))
@@ -151,4 +151,4 @@ def test_a_prediction_counts_the_forces_out_of_balance_before_and_after_a_releas
     assert usual is not None and doubtful is not None
     assert doubtful.uncertainty == pytest.approx(more, rel=1e-3)
     assert usual.released_uncertainty < 0.01 * usual.released
-    assert np.isnan(doubtful.released)  # so uncertain a value is not told
+    assert np.isnan(doubtful.released)  # so uncertain a value is not stated

@@ -1,4 +1,4 @@
-"""Laws of friction pyramids: they bracket the conic answer, close on it as 1 / facets^2, and are exact where there is no cone to cut."""
+"""Friction pyramids bracket the answer of the cone, converge to it as 1 / facets^2, and are exact where no cone is linearised."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -17,10 +17,10 @@ from la_core.scene.scene import Scene
 SAME = 1e-6  # of the mean block weight, or of the multiplier: the residuals that either solver's answer may have
 SAME_LINEAR = 1e-7  # of the weight: two algorithms on one linear programme
 ROUNDING = 1e-12  # of the mean block weight
-QUADRATIC = (2.8, 5.7)  # 4 within a factor sqrt(2): mechanisms change a little with the facets, and 1/cos(pi / F) - 1 is no pure square
+QUADRATIC = (2.8, 5.7)  # 4 within a factor sqrt(2): mechanisms vary slightly with the facets, and 1/cos(pi / F) - 1 is nearly quadratic
 
 DRIVES = {"yielding": Drive.YIELDING, "pushing": Drive.PUSHING}
-ASKEW = (0.4, 0.3, -1.0)  # a settlement along no tangent
+ASKEW = (0.4, 0.3, -1.0)  # a settlement that is parallel to no tangent
 TURNING = {"axis": [0.3, 1.0, 0.0], "point": [0.8, 0.0, 0.0]}  # the value is a moment
 FACETS = (8, 16)
 
@@ -49,18 +49,18 @@ def solved(solution: Solution) -> Solution:
 
 
 def bracket(assembly: Assembly, drive: Drive, facets: int) -> tuple[float, float]:
-    """Lower and upper bound of the true value, in its own unit: circumscribed first where the reaction is least."""
+    """Lower and upper bound of the true value, in its unit. For the least reaction, the circumscribed pyramids give the lower bound."""
     outside, inside = (solved(solve_linearised(assembly, drive, facets, inscribed)).value for inscribed in (False, True))
     return (outside, inside) if drive is Drive.YIELDING else (inside, outside)
 
 
 def with_friction(assembly: Assembly, factor: float) -> Assembly:
-    """The same with every coefficient of friction times a factor."""
+    """The assembly with every coefficient of friction multiplied by a factor."""
     return replace(assembly, points=replace(assembly.points, friction=factor * assembly.points.friction))
 
 
 def low_block(angle: float, friction: float = 0.6, **options) -> Scene:
-    """A low block on a pad under a live load at an angle to the x axis, the first tangent: it slides."""
+    """A low block on a pad that slides under a live load at an angle to the x axis, which is the first tangent."""
     pad = scenes.box("pad", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), "fixed")
     block = scenes.box("block", (-0.5, -0.5, 0.0), (0.5, 0.5, 0.1))
     load = {"live": (np.cos(angle), np.sin(angle), 0.0), "settlement": None} | options
@@ -68,7 +68,7 @@ def low_block(angle: float, friction: float = 0.6, **options) -> Scene:
 
 
 def reach(facets: int, angle: float, inscribed: bool) -> float:
-    """Distance from the centre to the polygon's edge at an angle to a corner, over the radius of the circle that it belongs to."""
+    """Distance from the centre of the polygon to its edge at an angle from a corner (rad), over the radius of the friction circle."""
     apothem = np.cos(np.pi / facets) if inscribed else 1.0
     return apothem / np.cos(angle % (2.0 * np.pi / facets) - np.pi / facets)
 
@@ -105,7 +105,7 @@ def test_width_of_the_bracket_is_quadratic_in_the_facets(scene: Scene, drive: Dr
 
 @both_drives
 def test_bracket_holds_however_the_scene_is_turned(drive: Drive) -> None:
-    """Turned joints have other tangents, so the polygons turn about their normals and the bounds change; the truth does not."""
+    """Turned joints have other tangents, so the polygons turn about their normals and the bounds change. The true value does not change."""
     scene = IN_SPACE["beams askew"]()
     true, loose = solve_associated(assemble(scene), drive).value, SAME * assemble(scene).mean_weight
     for angle in (0.4, 1.3, 2.9):
@@ -137,14 +137,14 @@ def test_pyramids_lie_between_the_cones_that_touch_their_corners_and_sides(scene
 @pytest.mark.parametrize("facets", [4, 6, 8])
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 1.7], ids=lambda share: f"{share} of a side")
 def test_sliding_block_shows_where_the_corners_are(share: float, facets: int, inscribed: bool) -> None:
-    """The multiplier is mu times the polygon's reach towards the load, the first corner being along the first tangent."""
+    """The multiplier is mu times the polygon's reach in the direction of the load. The first corner lies along the first tangent."""
     angle = share * 2.0 * np.pi / facets
     solution = solved(solve_linearised(assemble(low_block(angle)), Drive.LIVE, facets, inscribed))
     assert solution.value == pytest.approx(0.6 * reach(facets, angle, inscribed), rel=SAME)
 
 
 def test_block_on_a_slope_may_stand_in_the_cone_and_not_in_the_pyramid() -> None:
-    """Four facets, slope askew to them by 45 degrees: an inscribed pyramid holds up to mu / sqrt(2)."""
+    """With four facets and a slope at 45 degrees to their corners, an inscribed pyramid resists up to mu / sqrt(2)."""
     tilted = 9.81 * np.array([0.5, 0.5, -1.0])  # tangent of the slope 0.71, between 0.8 / sqrt(2) and mu = 0.8
     pad = scenes.box("settling pad", (3.0, 0.0, -0.1), (4.0, 1.0, 0.0), "support")
     standing = scenes.box("standing", (3.0, 0.0, 0.0), (4.0, 1.0, 0.1))
@@ -242,7 +242,7 @@ def test_structure_that_cannot_stand_names_what_falls(method: str, inscribed: bo
         solution = solve_linearised(assemble(scenes.build(*parts, plane=plane)), drive, 8, inscribed, method)
         assert solution.status is Status.INFEASIBLE and solution.falling == ("overhang",)
         assert np.isnan(solution.value) and np.isnan(solution.forces).all() and np.isnan(solution.twists).all()
-    live = assemble(scenes.build(parts[0], parts[3], live=(1.0, 0.0, 0.2), plane=plane))  # lifting would hold it up
+    live = assemble(scenes.build(parts[0], parts[3], live=(1.0, 0.0, 0.2), plane=plane))  # a negative multiplier would hold it up
     assert solve_linearised(live, Drive.LIVE, 8, inscribed, method).falling == ("overhang",)
 
 

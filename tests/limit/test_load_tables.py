@@ -1,4 +1,4 @@
-"""Tables of loads, ties and classes of joints: mistakes are named with their lines, and a user sees what they mean."""
+"""Tables of loads, ties and classes of joints: mistakes are named with their lines, and commands and reports list the tables."""
 
 import json
 import math
@@ -68,7 +68,7 @@ def test_a_class_of_joints_that_no_joint_belongs_to_is_refused() -> None:
         assemble(scene)
 
 
-# --- what a user sees --------------------------------------------------------------------------------------------------------
+# --- output for the user -----------------------------------------------------------------------------------------------------
 
 
 def test_show_lists_and_draws_loads_ties_and_classes_of_joints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""Measures of a mechanism by hand: how alike two mechanisms are, and how fast corners of blocks move."""
+"""Measures of a mechanism, checked by hand: similarity of two mechanisms, and speeds of block corners."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ LENGTH, DEPTH, HEIGHT = 1.0, 0.5, 0.4
 
 
 def two_boxes() -> Scene:
-    """A light box, and beside it one that is three times as heavy, each on its half of a base of which the right half settles."""
+    """A light box beside a box three times as heavy, each on one half of a base. The right half settles."""
     boxes = (
         scenes.box("light", (0.0, 0.0, 0.0), (LENGTH, DEPTH, HEIGHT), density=1000.0),
         scenes.box("heavy", (LENGTH, 0.0, 0.0), (2.0 * LENGTH, DEPTH, HEIGHT), density=3000.0),
@@ -34,7 +34,7 @@ DOWN, UP = (0.0, 0.0, -1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 # About the y axis at the foot of the light box, x = 0, z = 0: omega x r at the centroid, and omega.
 TIPS = (HEIGHT / 2.0, 0.0, -LENGTH / 2.0, 0.0, 1.0, 0.0)
 OF_INERTIA = (LENGTH**2 + HEIGHT**2) / 12.0  # over the mass, about the y axis through the centroid
-OF_TIPPING = OF_INERTIA + (LENGTH**2 + HEIGHT**2) / 4.0  # the same about the foot, by Steiner
+OF_TIPPING = OF_INERTIA + (LENGTH**2 + HEIGHT**2) / 4.0  # about the foot, by the parallel axis theorem
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_nothing_is_like_rest() -> None:
 
 
 def test_a_box_that_tips_turns_about_its_foot() -> None:
-    """A positive turn about y lowers what lies at greater x, and moves along x what lies higher."""
+    """A positive rotation about y lowers the points at greater x and moves the higher points along x."""
     blocks = two_boxes().blocks
     corners = np.array([[0.0, 0.0, 0.0], [LENGTH, 0.0, 0.0], [0.0, DEPTH, HEIGHT], [LENGTH, DEPTH, HEIGHT]])
     of_light = np.full(len(corners), blocks.names.index("light"))
@@ -81,7 +81,7 @@ def test_a_box_that_tips_turns_about_its_foot() -> None:
 
 
 def test_the_fastest_corner_may_be_another_one_along_a_direction() -> None:
-    """Of a box that tips: against the x axis the foot is the fastest, which rests. Beside it a box rises."""
+    """A box tips, and the box beside it rises. Against the x axis, the fastest corner of the tipping box is its foot, which is at rest."""
     blocks = two_boxes().blocks
     tips = motion(blocks, light=TIPS, heavy=UP)
     both = [blocks.names.index("light"), blocks.names.index("heavy")]
@@ -92,7 +92,7 @@ def test_the_fastest_corner_may_be_another_one_along_a_direction() -> None:
 
 @pytest.mark.parametrize(("speed", "share"), [(1.0, 1.0), (0.06, 1.0), (0.04, 0.75)])
 def test_blocks_below_a_twentieth_of_the_fastest_speed_stand_still(speed: float, share: float) -> None:
-    """Here the heavy box moves with its support, and three quarters of the mass are its own."""
+    """The heavy box moves with its support and has three quarters of the mass."""
     assembly = assemble(two_boxes())
     slow = tuple(speed * component for component in DOWN)
     twists = motion(assembly.blocks, light=slow, heavy=DOWN, **{"settling base": DOWN})

@@ -1,4 +1,4 @@
-"""Bounds follow friction, the direction of the motion and what settles, as they must."""
+"""The bounds change as they must with friction, with the direction of the motion and with the choice of the support."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def test_more_friction_bears_more_live_load() -> None:
 
 @pytest.mark.parametrize("name", ["wall", "arch", "crossing beams"])
 def test_the_greatest_reaction_is_minus_the_least_for_the_opposite_motion(name) -> None:
-    """R is measured along the motion: turned round, R_min and R_max change places and sign."""
+    """R is measured along the motion. For the opposite motion, R_min and R_max exchange places and change sign."""
     scene = scenes.load(TEXTS[name])
     assert scene.support_twist is not None
     least, greatest = values(scene)
@@ -41,7 +41,7 @@ def test_the_greatest_reaction_is_minus_the_least_for_the_opposite_motion(name) 
 
 
 def test_supports_that_exchange_roles_share_the_weight() -> None:
-    """Vertical motion: what one base carries least, the other carries most."""
+    """For vertical motion, the least reaction of one base and the greatest reaction of the other add up to the weight."""
     first = scenes.build(*scenes.wall(5, 6, split=1.2))
     parts = [
         part.replace('"fixed"', '"swap"').replace('"support"', '"fixed"').replace('"swap"', '"support"') for part in scenes.wall(5, 6, 1.2)
@@ -70,7 +70,7 @@ def test_large_friction_tends_to_no_sliding(name) -> None:
 
 @pytest.mark.parametrize("plane", [True, False])
 def test_frictionless_joints(plane) -> None:
-    """A pile on two pads needs no friction; a stack-bonded wall without it carries its columns separately."""
+    """A block on two pads needs no friction. Without friction, each column of a stack-bonded wall carries itself."""
     pads = scenes.load(scenes.SHIPPED.joinpath("two_pads.toml").read_text().replace("friction = 0.6", "friction = 0.0"))
     sharp = assemble(pads).with_inset(pads, 0.0)
     assert values(sharp) == pytest.approx([1.0 / 6.0, 1.0], abs=ROUND_OFF)

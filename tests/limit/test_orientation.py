@@ -1,4 +1,4 @@
-"""Three dimensions have no preferred axes: closed forms hold for structures turned and shifted at random, in both kinds of friction."""
+"""Space has no preferred axes: closed forms hold for structures turned and shifted at random, for associated and Coulomb friction."""
 
 import math
 from dataclasses import replace
@@ -15,7 +15,7 @@ from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 
 EXACT = 1e-6  # of the weight or the multiplier: residuals of a solved answer are below this
-AS_PLANE = 1e-5  # of the weight: what the plane and the solid model of one structure may differ by
+AS_PLANE = 1e-5  # of the weight: allowed difference between the plane and the 3D model of one structure
 ELASTIC = 2e-3  # relative: joints in Coulomb limit analysis sag by 1/300 of the travel
 SEEDS = range(4)
 MU, HEIGHT = 0.6, 0.5
@@ -24,7 +24,7 @@ any_orientation = pytest.mark.parametrize("seed", SEEDS)
 
 
 def turned(scene: Scene, seed: int, order: bool = True) -> tuple[Scene, np.ndarray]:
-    """The scene under a random rotation and shift, blocks shuffled, and the rotation."""
+    """The scene after a random rotation and shift, with its blocks shuffled, and the rotation."""
     chance = np.random.default_rng(seed)
     turn = scenes.rotation(chance.normal(size=3), chance.uniform(0.0, 2.0 * math.pi))
     shuffled = chance.permutation(len(scene.blocks)) if order else None
@@ -68,7 +68,7 @@ def test_slab_on_four_corners(seed) -> None:
 @any_orientation
 @pytest.mark.parametrize("height", [0.5, 2.5])
 def test_inclined_plane(seed, height) -> None:
-    """Sliding at tan(theta) = mu, tipping at b / h: the live load is along the plane and adds to the weight's own part."""
+    """Sliding at tan(theta) = mu, tipping at b / h. The live load acts along the plane and adds to the downhill component of the weight."""
     critical = min(MU, 1.0 / height)
     tilt = 0.5 * math.atan(critical)
     assembly = assemble(turned(block_on_plane(height, (1.0, 0.0, 0.0), tilt), seed)[0])
@@ -121,7 +121,7 @@ def studs(count: int, gap: float, high: float) -> list[str]:
 
 @any_orientation
 def test_a_face_on_many_small_patches_counts_only_the_outermost(seed) -> None:
-    """R = W (x_G - f1)/(m1 - f1) = W/6 as on two whole pads: patches within carry what they like and change nothing."""
+    """R = W (x_G - f1)/(m1 - f1) = W/6, as on two whole pads. The unknown forces on the inner patches do not change it."""
     block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.3, 0.5))
     assembly = assemble(turned(scenes.build(block, *studs(6, 0.01, 0.1), plane=False), seed)[0])
     assert len(assembly.interfaces) == 72 and len(assembly.points) == 4 * 72

@@ -1,9 +1,9 @@
-"""Laws under random structures: what `test_laws.py` and others say of a few, held against as many as one likes, and independent solvers.
+"""Laws of random structures: the laws of `test_laws.py` and others, checked on any number of structures and by independent solvers.
 
     python -m pytest tests/limit/test_random_laws.py --hypothesis-profile long     many scenes for each law
     python tests/benchmarks/random_laws_report.py -o comparison/gallery                 the same, counted
 
-A law that fails prints the scene it was shrunk to; each such scene becomes a named test in `test_found_at_random.py`.
+A law that fails prints the smallest scene on which it fails. Each such scene becomes a named test in `test_regressions.py`.
 """
 
 import math
@@ -41,15 +41,15 @@ from la_core.model.joints import joint_stiffness
 from la_core.model.scaling import twists_of
 from la_core.scene.scene import Scene
 
-COULOMB_RESIDUAL = 1e-5  # the same of the Coulomb prediction
+COULOMB_RESIDUAL = 1e-5  # residual that the Coulomb prediction allows
 ROUNDING = 1e-9  # of the weight, or as a multiplier: sums of numbers of order one
 UNDECIDED = 1e-6  # of the weight: least work at unit speed by which two solvers must agree that a structure falls
-INTERVAL = 1e-5  # of the weight, or as a multiplier: the equilibrium that the prediction promises
+INTERVAL = 1e-5  # of the weight, or as a multiplier: equilibrium residual that the prediction allows
 CIRCUMSCRIBED = 1.0 / np.cos(np.pi / FACETS)
 
 
 def with_verdict(assembly: Assembly, drive: Drive) -> Solution:
-    """The answer; scenes without a verdict are counted by their own law."""
+    """The answer. A scene without a verdict is skipped; a law of its own counts it."""
     solution = solve_associated(assembly, drive)
     assume(solution.status in VERDICTS)
     return solution
@@ -197,11 +197,11 @@ def test_coulomb_prediction_lies_between_the_bounds_and_within_its_interval(scen
     assert math.isnan(low) or low - INTERVAL * unit <= prediction.value <= high + INTERVAL * unit  # NaN: not stated
 
 
-# --- the same structure, told differently ------------------------------------------------------------------------------------
+# --- the same structure, described differently -------------------------------------------------------------------------------
 
 
 def assert_same_answers(first: Scene, second: Scene) -> None:
-    """Statuses are alike, and values over the weight (and the support's speed) within what both answers' residuals leave open."""
+    """Assert equal statuses, and equal values over weight and speed of the support, within the residuals of both answers."""
     one, other = assemble(first), assemble(second)
     for drive in drives(one):
         answers = [with_verdict(assembly, drive) for assembly in (one, other)]

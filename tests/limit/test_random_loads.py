@@ -1,4 +1,4 @@
-"""Laws of dead loads, ties and classes of joints under random structures; many scenes with `--hypothesis-profile long`."""
+"""Laws of dead loads, ties and classes of joints for random structures; many scenes with `--hypothesis-profile long`."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,12 +18,12 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 
-COULOMB_RESIDUAL = 1e-5  # what the Coulomb prediction promises
+COULOMB_RESIDUAL = 1e-5  # residual that the Coulomb prediction allows
 ROUNDING = 1e-9  # of the weight
 
 
 def answers(scene: Scene) -> Iterator[tuple[Assembly, Drive, Solution]]:
-    """The assembly and its answer by each drive; scenes without a verdict do not count."""
+    """The assembly and its answer for each drive. A scene without a verdict is skipped."""
     assembly = assemble(scene)
     for drive in drives(assembly):
         solution = solve_associated(assembly, drive)
@@ -32,7 +32,7 @@ def answers(scene: Scene) -> Iterator[tuple[Assembly, Drive, Solution]]:
 
 
 def assert_same(first: Scene, second: Scene, scale: float = 1.0) -> None:
-    """Statuses are alike, and the second values are `scale` times the first, within what the residuals of both leave open."""
+    """Assert equal statuses, and second values of `scale` times the first, within the residuals of both."""
     for (one, drive, a), (other, _, b) in zip(answers(first), answers(second), strict=True):
         assert a.status == b.status
         if a.status is Status.SOLVED:
@@ -165,7 +165,7 @@ def test_the_prediction_is_never_beyond_the_associated_bounds(loading: Loading) 
 @pytest.mark.slow
 @pytest.mark.parametrize("settles", [True, False])
 def test_random_loadings_have_every_kind_of_table(settles: bool) -> None:
-    """What the laws are held against: structures that stand with forces, masses, ties and classes."""
+    """The laws are checked on structures that stand with forces, masses, ties and classes of joints."""
     seen: set[str] = set()
 
     @given(loading=loadings(settles=settles))

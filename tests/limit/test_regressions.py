@@ -1,4 +1,4 @@
-"""What laws under random structures (`test_random_laws.py`) once failed on, by name and as small as it still failed."""
+"""Structures on which laws of `test_random_laws.py` once failed, each reduced to the smallest one that still failed."""
 
 import numpy as np
 import pytest
@@ -13,10 +13,10 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 
-SAME = 1e-5  # of the weight: friction of 1e-6 bears a few times that
+SAME = 1e-5  # of the weight: friction of 1e-6 changes the reaction by a few times 1e-6
 SLIGHT = 1e-6
 PROMISED = 1e-6  # of a multiplier: the duality gap of an answer called solved
-WEDGED = 0.4  # slope of the plane on which a smooth block lies
+WEDGED = 0.4  # slope of the plane on which a block lies
 
 
 def crossed(friction: float, beams: int = 2, seed: int = 0, split: float = 0.4, **options) -> Scene:
@@ -56,13 +56,13 @@ def values(assembly: Assembly) -> list[float]:
 @pytest.mark.parametrize("friction", [1e-300, 1e-12, 1e-7, SLIGHT])
 @pytest.mark.parametrize("make", [crossed, posts])
 def test_slight_friction_is_almost_none(make, friction: float) -> None:
-    """The static form called its support's reaction unlimited or broke off, the kinematic one ended inaccurate."""
+    """The static form reported an unlimited reaction or broke off. The kinematic form ended inaccurate."""
     assert values(assemble(make(friction))) == pytest.approx(values(assemble(make(0.0))), abs=SAME)
 
 
 @pytest.mark.parametrize(("seed", "beams"), [(4, 4), (6, 2), (7, 6), (8, 4), (12, 6), (22, 6)])
 def test_support_that_slides_away_under_slight_friction_is_solved(seed: int, beams: int) -> None:
-    """The solver's own scaling blew up the rows of friction: equilibrium was missed by 1e-4 and more."""
+    """The solver's own scaling enlarged the rows of friction, and equilibrium was missed by 1e-4 and more."""
     assembly = assemble(crossed(SLIGHT, beams, seed, settlement=(0.96, -0.26, 0.0)))
     for drive in (Drive.YIELDING, Drive.PUSHING):
         assert solve_associated(assembly, drive).status is Status.SOLVED
@@ -70,7 +70,7 @@ def test_support_that_slides_away_under_slight_friction_is_solved(seed: int, bea
 
 @pytest.mark.parametrize(("seed", "beams"), [(1, 2), (1, 4), (2, 6), (5, 6), (8, 2), (9, 4)])
 def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) -> None:
-    """A horizontal load shears the pile in one joint: lambda = mu. Associated solves missed it, elastic steps stalled."""
+    """A horizontal load shears the pile in one joint at lambda = mu. Associated solves missed this value, and elastic steps stalled."""
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
     associated = solve_associated(assembly, Drive.LIVE)
     assert associated.status is Status.SOLVED and associated.value == pytest.approx(SLIGHT, abs=PROMISED)
@@ -80,7 +80,7 @@ def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) ->
 
 @pytest.mark.parametrize(("seed", "beams"), [(1, 4), (1, 6), (3, 6), (11, 6)])
 def test_interval_exists_under_slight_friction(seed: int, beams: int) -> None:
-    """Exact directions of slight friction contradict equilibrium, and its ends were undefined or crossed."""
+    """With slight friction, exact sliding directions contradict equilibrium. The ends of the interval were undefined or exchanged."""
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
     prediction = predict(assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.LIVE))
     low, high = prediction.interval
@@ -88,7 +88,7 @@ def test_interval_exists_under_slight_friction(seed: int, beams: int) -> None:
 
 
 def test_joint_that_slides_and_still_carries_does_not_part() -> None:
-    """Three posts under a heavy lintel, mu = 5: the dilation left over by the iteration passed for a joint that opens."""
+    """Three posts under a heavy lintel, mu = 5: the remaining dilation of the iteration was mistaken for an opening joint."""
     posts = [(-0.2701804073520084, 0.2441923385185683, 70.0), (1.3313224177641152, 1.6688775822358848, 236.0)]
     posts.append((2.610403281448762, 3.125488656136274, 632.0))
     height, depth = 0.6783968142881358, 0.5
@@ -109,7 +109,7 @@ def test_joint_that_slides_and_still_carries_does_not_part() -> None:
 def test_support_that_leaves_a_standing_wall_has_no_reaction(
     per_course: int, courses: int, first: str, split: float, friction: float
 ) -> None:
-    """Nothing but the support moves: there is hardly any work to measure a dilation by, and the last step gave up before it was met."""
+    """Only the support moves, so hardly any work is done to measure a dilation by. The last step ended before its tolerance was met."""
     assembly = assemble(scenes.build(*scenes.wall(per_course, courses, split, first=first), friction=friction, plane=False))
     prediction = predict(assembly, joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING))
     assert prediction.status is Status.SOLVED and abs(prediction.value) <= SAME * assembly.weight
@@ -117,7 +117,7 @@ def test_support_that_leaves_a_standing_wall_has_no_reaction(
 
 @pytest.mark.parametrize("plane", [True, False])
 def test_what_only_a_live_load_holds_up_cannot_stand(plane: bool) -> None:
-    """A smooth block on a slope, pushed uphill: multipliers near the slope balance it, but none does not."""
+    """A block on a slope is pushed uphill. Some multipliers balance it, but without a push it slides down if mu is below the slope."""
     slope = scenes.block("slope", "fixed", prism=([(0.0, 0.0), (1.0, 0.0), (1.0, WEDGED)], (0.0, 1.0)))
     rise = [(x, WEDGED * x) for x in (0.2, 0.8)]
     block = scenes.block("block", prism=([*rise, (0.8, 0.8 * WEDGED + 0.1), (0.2, 0.2 * WEDGED + 0.1)], (0.0, 1.0)))
@@ -128,4 +128,4 @@ def test_what_only_a_live_load_holds_up_cannot_stand(plane: bool) -> None:
         assert solve_associated(assembly, Drive.LIVE).status is expected
         assert solve_linearised(assembly, Drive.LIVE, 16, inscribed=True).status is expected
         greatest = solve_static(assembly, Drive.LIVE, *coulomb_limits(assembly)).value
-        assert greatest == pytest.approx((WEDGED + friction) / (1.0 - WEDGED * friction), abs=SAME)  # tan(slope + friction)
+        assert greatest == pytest.approx((WEDGED + friction) / (1.0 - WEDGED * friction), abs=SAME)  # tan(slope + friction angle)

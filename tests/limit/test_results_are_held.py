@@ -22,7 +22,7 @@ def analysis() -> LimitAnalysis:
 
 
 def parts(value: Any, path: str = "analysis") -> Iterator[tuple[str, Any]]:
-    """All values of a result by their paths, those of its records and tables included; scenes have tests of their own."""
+    """All values of a result with their paths, including those of its records and tables. Scenes have tests of their own."""
     yield path, value
     if isinstance(value, MappingProxyType):
         for name, item in value.items():

@@ -1,4 +1,4 @@
-"""Rubble with joints from 1 m down to 5 mm and less: the answer follows continuously, and no judgement hangs on a short joint."""
+"""Rubble with joints from 1 m down to 5 mm and less: the answer changes continuously, and no verdict depends on a short joint."""
 
 from functools import cache
 from itertools import pairwise
@@ -14,7 +14,7 @@ from la_core.limit.problem import Drive
 from la_core.model import assemble
 from la_core.scene import Scene
 
-STONE = (SIZE[0] * SIZE[1] / STONES) ** 0.5  # m: side of a square as large as a stone
+STONE = (SIZE[0] * SIZE[1] / STONES) ** 0.5  # m: side of a square with the mean area of a stone
 LENGTHS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.003, 0.001, 0.00052)  # m
 SEEDS = (1, 2, 6)
 
@@ -43,7 +43,7 @@ def test_the_walls_have_joints_of_all_sizes(seed: int) -> None:
 
 @every_wall
 def test_the_least_reaction_follows_short_joints_continuously(seed: int) -> None:
-    """Moved corners change lever arms by half their joint at most; beside half a stone, that is the change over the stone's size."""
+    """Moved corners change lever arms by half the change of a joint at most, so relatively by that change over the size of a stone."""
     for longer, shorter in pairwise(LENGTHS):
         before, after = least_reaction(seed, longer), least_reaction(seed, shorter)
         assert abs(after - before) <= before * (longer - shorter) / STONE, (longer, shorter)
@@ -51,7 +51,7 @@ def test_the_least_reaction_follows_short_joints_continuously(seed: int) -> None
 
 @every_wall
 def test_a_dropped_joint_is_on_the_safe_side(seed: int) -> None:
-    """What a joint could carry is then left out: the structure can rely on less, and the support must bear as much or more."""
+    """A dropped joint carries no force, so the structure resists less and the support must bear as much or more."""
     shortest, dropped = least_reaction(seed, LENGTHS[-1]), least_reaction(seed, DROPPED)
     assert analysed(seed, DROPPED).assembly.slivers == SHRUNK and analysed(seed, LENGTHS[-1]).assembly.slivers == 0
     assert dropped >= shortest * (1.0 - (LENGTHS[-1] - DROPPED) / STONE)
@@ -59,7 +59,7 @@ def test_a_dropped_joint_is_on_the_safe_side(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(1, 21))
 def test_a_tolerance_drops_short_joints_and_no_other(seed: int) -> None:
-    """A corner that is cut by less than the tolerance must not tilt the long face beside it: its joint would be lost."""
+    """A corner cut by less than the tolerance must not tilt the long face beside it, or the joint of that face would be lost."""
     stones = shrunk(profiles(seed), 0.005)
     drawn, repaired = (joints_of(wall(stones, tolerance)) for tolerance in (0.0, 0.003))
     lost = [length for blocks, length in drawn.items() if blocks not in repaired]
@@ -75,7 +75,7 @@ def joints_of(scene: Scene) -> dict[tuple[str, str], float]:
 
 @pytest.mark.slow
 def test_some_walls_hang_on_their_shortest_joints() -> None:
-    """What the page on drawings says of a dozen walls: nothing is lost on the unsafe side, and in most walls little is lost at all."""
+    """The page on drawings states these counts for a dozen walls. No wall loses on the unsafe side, and most walls lose little."""
     lost = np.array([least_reaction(seed, DROPPED) / least_reaction(seed, LENGTHS[-1]) - 1.0 for seed in range(1, 13)])
     assert lost.min() > -(LENGTHS[-1] - DROPPED) / STONE
     assert [int(np.sum((low < lost) & (lost <= high))) for low, high in ((-1.0, 0.02), (0.02, 0.1), (0.1, 0.6))] == [7, 3, 2]

@@ -1,4 +1,4 @@
-"""The same structure, told differently, has the same answer."""
+"""The same structure, described differently, has the same answer."""
 
 import math
 from dataclasses import replace
@@ -44,7 +44,7 @@ def test_invariance_under_block_order(name) -> None:
 @pytest.mark.parametrize("scale", [1e-3, 1e3], ids=["km", "mm"])
 @pytest.mark.parametrize("density", [1e-3, 1e3], ids=["light", "heavy"])
 def test_invariance_under_units(name, scale, density) -> None:
-    """Lengths told in km or mm as if they were m, densities from 1e0 to 1e6 units: reactions over weight are the same."""
+    """Lengths in km or mm are taken for m, and densities are multiplied by 1e-3 or 1e3: reactions over weight are the same."""
     scene = scenes.load(TEXTS[name])
     assert values(scenes.moved(scene, scale=scale, density=density)) == pytest.approx(values(scene), abs=ROUND_OFF)
 

@@ -1,4 +1,4 @@
-"""Sums of contact forces over sections, by statics: weights above cuts, and what a support may push sideways."""
+"""Sums of contact forces over sections agree with statics: weights above cuts, and the range of a support's horizontal force."""
 
 import numpy as np
 import pytest
@@ -10,14 +10,14 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
 X = np.array([1.0, 0.0, 0.0])
-SLACK = 1e-3  # of the weight: by which the reaction may differ from the one that is given
+SLACK = 1e-3  # of the weight: allowed difference of the reaction from the given one
 
 both_models = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 
 
 @both_models
 def test_a_cut_carries_the_weight_above_it(plane: bool) -> None:
-    """Four blocks of one size, one on another: three, two and one of them lie above the cuts, and the force on them points up."""
+    """Four equal blocks are stacked. Three, two and one of them lie above the cuts, and the force on them points up."""
     base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support")
     tower = [scenes.box(f"block {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(4)]
     assembly = assemble(scenes.build(base, *tower, plane=plane))
@@ -48,9 +48,9 @@ def test_a_cut_carries_the_push_on_what_lies_above_it_at_any_multiplier(plane: b
 @both_models
 @pytest.mark.parametrize("ratio", [1.0, 0.4], ids=["whole settlement", "part of it"])
 def test_a_support_pushes_sideways_only_against_what_resists_and_no_more_than_friction(ratio: float, plane: bool) -> None:
-    """A wall on the left and nothing on the right: the support may push the block to the left by its friction, and not to the right.
+    """A wall stands on the left of the block only, so the friction of the support may push the block to the left but not to the right.
 
-    A support that moves by a part of the settlement has as large a part of its force as reaction.
+    The reaction of a support that moves by a share of the settlement is the same share of its force.
     """
     parts = (
         scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),

@@ -1,7 +1,7 @@
-"""What surrounds the solver is cheap: work is counted, not timed, so that a busy machine changes nothing.
+"""The code around the solver is cheap. Work is counted, not timed, so that a busy machine changes nothing.
 
-Numpy does the same calls whatever the number of blocks, and memory grows as they do: then the time does, too. The benchmarks
-(benchmark_scale.py, benchmark_growth.py) measure seconds, and the pages of the gallery hold the solver's share of them.
+The number of numpy calls does not depend on the number of blocks, and memory is proportional to it; so is the time. The benchmarks
+(benchmark_scale.py, benchmark_growth.py) measure seconds, and the pages of the gallery state the solver's share of them.
 """
 
 import gc
@@ -28,11 +28,11 @@ from la_core.model import joints
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
-CALLS_A_BLOCK = 25  # of Python and of C, four solutions together; one loop over the contact points, ten a block and more, takes as many
+CALLS_A_BLOCK = 25  # of Python and C, for four solutions; one loop over the contact points, ten a block and more, takes as many
 SOLVES = 4  # two drives, rounded and sharp
 SAME_REACTION = 1e-6  # both models are exact; each is solved to residuals below this
-LEAST_GAIN = 3.0  # of a plane model's operations over a 3D one's
-LINEAR = 1.1  # of the growth of the blocks
+LEAST_GAIN = 3.0  # operations of a 3D model over those of the plane model
+LINEAR = 1.1  # allowed growth over that of the number of blocks
 
 
 def calls(work: Callable[[], object]) -> int:
@@ -71,7 +71,7 @@ def wall_of(per_course: int, courses: int, plane: bool = True) -> Scene:
 
 @pytest.mark.parametrize(("plane", "sizes"), [(True, (8, 32)), (False, (8, 16))], ids=["plane", "3D"])
 def test_what_surrounds_the_solver_takes_few_calls_a_block(plane: bool, sizes: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
-    """And the solver is asked once for an answer: no work of its is thrown away."""
+    """The solver is also called only once for each answer."""
     solves = 0
     ask = Programme.solve
 
@@ -104,7 +104,7 @@ def test_what_surrounds_the_solver_takes_few_calls_a_block(plane: bool, sizes: t
 
 
 def operations(assembly: Assembly, solution: Solution) -> float:
-    """Of the factorisations behind an answer: the squares of the factor's columns, once for every iteration."""
+    """Operations of all factorisations for an answer: the sum of squared column lengths of the factor, times the iterations."""
     rows = driven_problem(assembly, scaled_problem(assembly), Drive.YIELDING).rows
     columns = np.diff(splu((rows.T @ rows + identity(rows.shape[1])).tocsc(), permc_spec="MMD_AT_PLUS_A").L.indptr)
     return solution.iterations * float(np.sum(columns.astype(float) ** 2))
@@ -112,7 +112,7 @@ def operations(assembly: Assembly, solution: Solution) -> float:
 
 @pytest.mark.slow
 def test_a_plane_model_is_several_times_cheaper_and_gives_the_same_reaction(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Than the whole model in space; its mirror along the middle of the wall is left out here."""
+    """The 3D model is solved whole, without use of its symmetry about the middle plane of the wall."""
     monkeypatch.setattr(symmetric_part, "LEAST_UNKNOWNS", np.inf)
     plane, solid = (assemble(wall_of(32, 31, flat)) for flat in (True, False))
     assert len(plane.blocks) > 1000
@@ -128,12 +128,12 @@ def pile_of(count: int) -> Blocks:
 
 
 def unsearched(blocks: Blocks) -> Blocks:
-    """The same blocks as another object, whose touching faces nobody has found yet."""
+    """A copy of the blocks, whose touching faces are not stored yet."""
     return replace(blocks)
 
 
 def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
-    """Four times the blocks: comparing all pairs would take sixteen times the memory, or four times the calls."""
+    """There are four times the blocks. To compare all pairs would take sixteen times the memory, or four times the calls."""
     small, large = (wall_of(size, size) for size in (32, 64))
 
     def assembled(scene: Scene) -> None:
@@ -146,7 +146,7 @@ def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
 
 @pytest.mark.slow
 def test_finding_contacts_in_a_massive_block_of_masonry_grows_as_its_joints() -> None:
-    """Eight times the blocks, piled in all three directions: comparing all pairs would take 64 times the memory, not some nine."""
+    """There are eight times the blocks, piled in three directions. To compare all pairs would take 64 times the memory, not about nine."""
 
     def joints(count: int) -> int:
         return 3 * count**2 * (count - 1)

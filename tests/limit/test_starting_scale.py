@@ -1,4 +1,4 @@
-"""A nearby answer changes where the conic solver starts, and how many iterations it takes, but not the bound."""
+"""A nearby answer changes the start of the conic solver and its number of iterations, but not the bound."""
 
 from dataclasses import replace
 
@@ -42,7 +42,7 @@ def test_the_answer_at_the_inset_saves_iterations_of_the_sharp_one(plane: bool, 
 
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 def test_a_misleading_answer_does_not_change_the_bound(plane: bool) -> None:
-    """Forces of the opposite drive, forces of one point alone, and no forces at all."""
+    """The misleading forces are those of the opposite drive, those of one point alone, or zero."""
     _, sharp = pair(wall(plane, 8))
     cold, opposite = (solve_associated(sharp, drive) for drive in (Drive.YIELDING, Drive.PUSHING))
     nothing = np.zeros_like(opposite.forces)
@@ -101,7 +101,7 @@ def test_a_structure_that_falls_under_one_drive_keeps_the_confirmed_bound_of_the
 
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 def test_rows_of_head_joints_start_at_ten_times_those_of_bed_joints(plane: bool) -> None:
-    """What comes before the rows of joints starts at one."""
+    """The rows before those of the joints start at one."""
     stones = [
         scenes.box("left", (0.0, 0.0, 0.0), (0.4, 0.2, 0.2)),
         scenes.box("right", (0.4, 0.0, 0.0), (0.8, 0.2, 0.2)),

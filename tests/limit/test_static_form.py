@@ -1,4 +1,4 @@
-"""Laws of the static form: it is the dual of the kinematic form, and exact where a strength is given."""
+"""The static form is the dual of the kinematic form, and exact where a strength is given."""
 
 import dataclasses
 from types import SimpleNamespace
@@ -47,7 +47,7 @@ def head_joint(assembly: Assembly) -> np.ndarray:
 def assert_dual(assembly: Assembly, drive: Drive) -> None:
     static, kinematic = coulomb(assembly, drive), solve_associated(assembly, drive)
     assert kinematic.status is Status.SOLVED
-    assert static.value == pytest.approx(kinematic.value, rel=SAME, abs=1e-9 * assembly.weight)  # zero where joints hold all
+    assert static.value == pytest.approx(kinematic.value, rel=SAME, abs=1e-9 * assembly.weight)  # zero where the joints carry all weight
     work = float(np.sum(assembly.dead_load * static.twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     assert work == pytest.approx(static.value, rel=SAME, abs=1e-9 * assembly.weight)
     assert residuals.flow_rule_violation(assembly, static.twists) < ACCEPTED
@@ -115,7 +115,7 @@ def test_limits_that_allow_no_equilibrium_are_infeasible() -> None:
 
 
 def test_unlimited_reaction_is_unbounded() -> None:
-    """A block between two fixed walls that may thrust without limit: friction on them takes any push of the support."""
+    """A block stands between two fixed walls with unlimited thrust, so their friction resists any push of the support."""
     parts = (
         scenes.box("left", (-0.5, 0.0, -0.5), (0.0, 1.0, 1.0), "fixed"),
         scenes.box("right", (1.0, 0.0, -0.5), (1.5, 1.0, 1.0), "fixed"),
@@ -128,7 +128,7 @@ def test_unlimited_reaction_is_unbounded() -> None:
 
 @in_plane_and_3d
 def test_given_normal_force_in_the_head_joint_decides_the_reaction(plane: bool) -> None:
-    """R = W_b - mu P for a total normal force P in the head joint; the bases keep the friction of half the weights' sum each."""
+    """R = W_b - mu P for a total normal force P in the head joint. The normal force of each base is half of the total weight."""
     assembly = two_blocks(plane=plane)
     joint, pressure, weight = head_joint(assembly), 300.0, assembly.weight / 2.0
     normal = np.where(joint, pressure / joint.sum(), weight / (~joint).sum() * 2.0)
@@ -138,7 +138,7 @@ def test_given_normal_force_in_the_head_joint_decides_the_reaction(plane: bool) 
 @both_drives
 @pytest.mark.parametrize("name", ["wall_third", "wall_half", "trilith"])
 def test_no_admissible_state_lies_below_its_consistent_reaction(name: str, drive: Drive) -> None:
-    """The state itself meets |t| <= mu N, so the least such reaction is at most its own."""
+    """The state itself satisfies |t| <= mu N, so the least consistent reaction is at most the state's own."""
     assembly = assemble(scenes.shipped(name))
     state = coulomb(assembly, drive)
     loose = assembly.split(state.forces)[0] + 1e-8 * assembly.weight
@@ -149,7 +149,7 @@ def test_no_admissible_state_lies_below_its_consistent_reaction(name: str, drive
     ("error", "status"), [(0.0, Status.SOLVED), (1e-4, Status.INACCURATE), (1e-2, Status.FAILED), (1e200, Status.FAILED)]
 )
 def test_an_answer_that_misses_equilibrium_by_far_is_none(error: float, status: Status, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A solver may break off and return any numbers as its optimum."""
+    """A solver may break off and return arbitrary numbers as its optimum."""
 
     def broken_off(*arguments: Any) -> ProgrammeAnswer:
         answer = maximise(*arguments)
@@ -198,10 +198,10 @@ def test_a_limit_is_violated_by_tension_or_by_friction_beyond_it(
 @pytest.mark.parametrize(
     ("parting", "sliding", "limit", "violation"),
     [
-        (0.5, 2.0, (0.0, 0.75), 0.8),  # to part at 0.75 * 2: what lacks, across the line of the cone, over the root of 1 + 0.75^2
+        (0.5, 2.0, (0.0, 0.75), 0.8),  # required parting 0.75 * 2 = 1.5; the missing 1.0 over sqrt(1 + 0.75^2)
         (1.5, 2.0, (0.0, 0.75), 0.0),
-        (-1.0, 0.0, (0.0, 0.75), 1.0),  # into each other
-        (0.0, 3.0, (7.0, 0.0), 0.0),  # a strength that does not grow does not dilate
+        (-1.0, 0.0, (0.0, 0.75), 1.0),  # penetration
+        (0.0, 3.0, (7.0, 0.0), 0.0),  # a limit that does not depend on n requires no dilation
         (5.0, 2.0, (np.inf, 0.0), 2.0),  # a point that cannot slide
         (5.0, 2.0, (np.inf, -0.5), 2.0),
         (-1.0, 2.0, (7.0, -0.5), 0.0),  # a limit that falls admits every motion
@@ -219,9 +219,9 @@ def test_the_flow_rule_is_violated_by_what_its_limit_does_not_admit(
     [
         (0.0, 2.0, (10.0, 0.0), 20.0),
         (1.5, 2.0, (10.0, 0.75), 20.0),  # at n = 0
-        (1.0, 3.0, (10.0, -0.5), 30.0),  # at n = 20, where nothing is left of the friction, parting gives 20 W
-        (-4.0, 3.0, (10.0, -0.5), 80.0),  # there the motion into each other takes 80 W
-        (-4.0, 3.0, (20.0, -0.5), 135.0),  # at n = 40 it would take 160 W; the state has no force above 30 N: 30 * 4 + 5 * 3
+        (1.0, 3.0, (10.0, -0.5), 30.0),  # at n = 0; at n = 20 the friction is zero and the parting gives 20 W
+        (-4.0, 3.0, (10.0, -0.5), 80.0),  # at n = 20, where the penetration takes 80 W
+        (-4.0, 3.0, (20.0, -0.5), 135.0),  # at n = 40 it would take 160 W, but no force of the state exceeds 30 N: 30 * 4 + 5 * 3
         (0.0, 0.0, (np.inf, 0.0), 0.0),
     ],
 )
@@ -239,7 +239,7 @@ def test_the_forces_within_the_limits_resist_a_mechanism_least(
 def test_residuals_are_shares_of_a_mean_block_and_undefined_ones_prove_nothing(
     drive: Drive, multiplier: float, bound: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Four blocks of 10 N on a support that turns about an axis 3 m away; a multiplier has no unit, and weighs the live load."""
+    """Four blocks of 10 N stand on a support that turns about an axis 3 m away. A multiplier has no unit and scales the live load."""
     found: dict[str, Any] = {"flow": 2e-7}
     value = 5.0 if drive is Drive.LIVE else 7.0
     assembly: Any = SimpleNamespace(mean_weight=10.0, weight=40.0, in_value_unit=lambda force: 1.0 if drive is Drive.LIVE else 3.0 * force)
@@ -269,7 +269,7 @@ def on_fixed_base(assembly: Assembly) -> np.ndarray:
 
 @in_plane_and_3d
 def test_cohesion_holds_no_tension(plane: bool) -> None:
-    """A support that pushes up lifts the block off the fixed base, and carries its weight alone."""
+    """A support that pushes up lifts the block off the fixed base and carries its whole weight."""
     block = scenes.box("block", (0.4, 0.0, 0.0), (1.0, 0.5, 0.5))
     assembly = assemble(scenes.build(*scenes.base(0.5, 1.0, 0.5), block, plane=plane))
     limits = np.where(on_fixed_base(assembly), 100.0, 0.0), np.full(len(assembly.points), 0.6)
@@ -278,7 +278,7 @@ def test_cohesion_holds_no_tension(plane: bool) -> None:
 
 @in_plane_and_3d
 def test_a_point_whose_limit_falls_from_nothing_carries_nothing(plane: bool) -> None:
-    """The fixed base does not help: the settling one, below the centroid, carries the block. Without friction, it would carry 0.15/0.5."""
+    """The settling base, below the centroid, carries the block alone. Beside a smooth fixed base, it would carry 0.15/0.5."""
     block = scenes.box("block", (0.3, 0.0, 0.0), (1.0, 0.5, 0.5))
     assembly = assemble(scenes.build(*scenes.base(0.5, 1.0, 0.5), block, plane=plane))
     for slope, share in ((-0.5, 1.0), (0.0, 0.3)):
@@ -288,7 +288,7 @@ def test_a_point_whose_limit_falls_from_nothing_carries_nothing(plane: bool) -> 
 
 @in_plane_and_3d
 def test_tension_in_a_given_state_gives_no_friction(plane: bool) -> None:
-    """YADE's forces of an open joint may be a little off zero: the head joint then holds nothing."""
+    """YADE's forces in an open joint may be slightly off zero. The friction of such a head joint is zero."""
     assembly = two_blocks(plane=plane)
     normal = np.where(head_joint(assembly), -300.0, assembly.weight)
     assert consistent_reaction(assembly, normal).value == pytest.approx(assembly.weight / 2.0, rel=SAME)

@@ -1,4 +1,4 @@
-"""A structure that is its own mirror image is solved by a part of it, and the answer is that of the whole."""
+"""A symmetric structure is solved by a part of its problem, and the answer is that of the whole."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -38,7 +38,7 @@ def middle(per_course: int = 9, courses: int = 6, plane: bool = True, depth: flo
 
 
 def table_of_stones() -> Scene:
-    """A slab on four columns that settle, and on one in the middle that does not: no stone of a column is its own image."""
+    """A slab on four columns that settle, and on a pier in the middle that does not. No stone of a column is its own mirror image."""
     columns = [(x, y, k) for x in (0.0, 1.6) for y in (0.0, 1.0) for k in range(5)]
     stones = [scenes.box(f"stone {n}", (x, y, 0.2 * k), (x + 0.4, y + 0.4, 0.2 * (k + 1))) for n, (x, y, k) in enumerate(columns)]
     pads = [scenes.box(f"pad {n}", (x, y, -0.2), (x + 0.4, y + 0.4, 0.0), "support") for n, (x, y, k) in enumerate(columns) if k == 0]
@@ -53,7 +53,7 @@ def turned(scene: Scene, angle: float, plane: bool | str = False) -> Scene:
 
 
 def posed(assembly: Assembly, drive: Drive) -> tuple[float, float]:
-    """How many times fewer unknowns and rows are posed to the solver than the whole problem has; it is asked once."""
+    """Unknowns and rows of the whole problem over those given to the solver, which is called once."""
     with patch.object(associated, "maximise", wraps=maximise) as solver:
         solution = solve_associated(assembly, drive)
     if solution.status is Status.SOLVED:
@@ -70,7 +70,7 @@ def both(assembly: Assembly, drive: Drive) -> tuple[Solution, Solution]:
     return solve_associated(assembly, drive), whole
 
 
-SYMMETRIC = {  # by name: the scene, and how many times fewer unknowns and rows there are, nearly
+SYMMETRIC = {  # by name: the scene, and about how many times fewer unknowns and rows its part has
     "middle third": (middle, 2),
     "middle third, sharp, joints in the mirror": (lambda: middle(8, 5, inset=0.0), 2),
     "in space": (lambda: middle(plane=False, inset=0.001), 4),
@@ -146,12 +146,12 @@ def test_what_is_not_symmetric_is_solved_whole(name: str) -> None:
 
 
 def test_two_columns_are_symmetric_but_for_a_hair() -> None:
-    """The scene beside the one above, so that the hair alone decides."""
+    """This symmetric scene differs from the scene above by the shift of one column alone."""
     assert [len(images(assemble(scenes.build(*_two_columns(shift))))[1]) for shift in (0.0, 1e-6)] == [2, 1]
 
 
 def test_a_structure_that_cannot_stand_falls_on_both_sides() -> None:
-    """Two slabs beside each other on a narrow base: each has its centroid beside the base, and neither holds the other."""
+    """Two slabs lie side by side on a narrow base. The centroid of each lies beyond the base, and neither holds the other."""
     slabs = [scenes.box(f"slab {k}", (x, 0.0, 0.0), (x + 1.0, 1.0, 0.2)) for k, x in enumerate((-1.0, 0.0))]
     scene = scenes.build(*slabs, scenes.box("base", (-0.2, 0.0, -0.2), (0.2, 1.0, 0.0), "support"), friction=0.1)
     assembly = assemble(scene)
@@ -164,7 +164,7 @@ def test_a_structure_that_cannot_stand_falls_on_both_sides() -> None:
 
 
 def test_both_mirrors_of_a_pier_are_found_in_every_direction() -> None:
-    """Its centroids lie three by two in plan: their principal axes are those of the pier."""
+    """The block centroids lie on a grid of three by two in plan, so their principal axes are those of the pier."""
     places = [(0.4 * i, 0.3 * j, 0.2 * k) for i in range(3) for j in range(2) for k in range(2)]
     stones = [scenes.box(f"stone {n}", (x, y, z), (x + 0.4, y + 0.3, z + 0.2)) for n, (x, y, z) in enumerate(places)]
     pier = scenes.build(*stones, scenes.box("footing", (0.0, 0.0, -0.2), (1.2, 0.6, 0.0), "support"), plane=False, inset=0.001)
@@ -181,7 +181,7 @@ def test_a_small_problem_is_not_searched_for_mirrors() -> None:
 
 
 def beside_its_image(scene: Scene, plane: bool) -> Scene:
-    """The scene with its supports moving down, and its mirror image a gap to the left of it."""
+    """The scene with supports that move down, and its mirror image on the left, separated by a gap."""
     blocks, place = scene.blocks, scene.blocks.vertices.copy()
     place[:, 0] += 0.5 - place[:, 0].min()
     parts = []

@@ -1,4 +1,4 @@
-"""Ties hold blocks, and press joints together, as statics says."""
+"""Ties hold blocks and press joints together, in agreement with statics."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ LEANING_WEIGHT = 2000.0 * 9.81  # N
 
 @pytest.mark.parametrize("tension", [0.2, 0.4])
 def test_a_tie_to_the_ground_holds_a_leaning_block(tension: float) -> None:
-    """By moments about the inner edge of the fixed pad: the block turns about it, and no joint slides."""
+    """The block turns about the inner edge of the fixed pad, and no joint slides. Moments about this edge give the reaction."""
     rod = tie(["leaning"], (1.2, 0.5, 1.0), (-2.0, 0.5, 1.0), tension * LEANING_WEIGHT)
     scene = scenes.build(*LEANING, rod, friction=0.9)
     assert scene.weight == pytest.approx(LEANING_WEIGHT)
@@ -51,7 +51,7 @@ def test_a_tie_through_a_joint_adds_to_its_friction() -> None:
 
 @pytest.mark.parametrize(("anchor", "is_shown"), [(-2.0, True), (-50.0, False)])
 def test_the_anchor_of_a_tie_is_drawn_unless_it_is_far_away(anchor: float, is_shown: bool) -> None:
-    """One that is many times the size of the structure away would make the structure a dot: its rod leaves the figure."""
+    """An anchor at many times the size of the structure would reduce the structure to a dot, so its rod leaves the figure."""
     scene = scenes.build(*LEANING, tie(["leaning"], (1.2, 0.5, 1.0), (anchor, 0.5, 1.0), 1000.0), friction=0.9)
     low, high = assembly_figure(scene, assemble(scene)).axes[0].get_xlim()
     assert (low < anchor) == is_shown

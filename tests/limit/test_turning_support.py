@@ -1,4 +1,4 @@
-"""A support that turns feels the moment of its reaction, and about a far axis its force."""
+"""The value of a turning support is the moment of its reaction. About a far axis it is the force times the distance."""
 
 import pytest
 import scenes
