@@ -1,4 +1,4 @@
-"""Area loads on random blocks of several convex parts: what each carries follows from columns of cells, too."""
+"""Area loads on random blocks of several convex parts agree with a count by columns of cells."""
 
 import itertools
 from dataclasses import replace
@@ -14,7 +14,7 @@ Cell = tuple[int, ...]
 
 
 def grown(random: np.random.Generator, size: Cell, most: int) -> np.ndarray:
-    """Owner of every cell of a grid: blocks of up to `most` cells, each of which shares a face with another one of its block."""
+    """Owner of every cell of a grid. A block has up to `most` cells, each of which shares a face with another cell of the block."""
     owner = np.full(size, -1)
     cells = list(itertools.product(*(range(count) for count in size)))
     random.shuffle(cells)

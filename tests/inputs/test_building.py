@@ -1,4 +1,4 @@
-"""Walls of several leaves, openings under lintels and flat arches, walls that interlock: geometry against what one counts on paper."""
+"""Walls of several leaves, openings under lintels and flat arches, walls that interlock: their geometry agrees with counts by hand."""
 
 import itertools
 from collections import defaultdict
@@ -17,7 +17,7 @@ from la_core.scene.scene import Scene
 ROUND_OFF = 1e-9  # relative, of volumes and weights that are sums of products
 SAME = 1e-6  # of the weight: residuals of a solved answer are below this
 LENGTH, THICK, HIGH = BLOCK = (0.4, 0.2, 0.2)
-PLANS = {  # size over all and the volume of the walls over their height and thickness: lengths, crossings counted once
+PLANS = {  # overall size, and total length of the walls (volume over height and thickness), crossings counted once
     "rectangle": ((4.0, 3.2), 2 * (4.0 + 3.2) - 4 * THICK),
     "L": ((4.0, 3.2), 4.0 + 3.2 - THICK),
     "T": ((4.0, 3.2), 4.0 + 3.2 - THICK),
@@ -69,7 +69,7 @@ def test_every_block_stands_on_another_and_none_overlap(plan) -> None:
 
 
 def head_joints(scene: Scene) -> dict[int, list[np.ndarray]]:
-    """Middles of the upright joints by course."""
+    """Middle (x, y) and absolute normal (x, y) of every upright joint, by course."""
     interfaces = find_interfaces(scene.blocks)
     upright = np.abs(interfaces.normal[:, 2]) < 0.5
     middle = np.add.reduceat(interfaces.polygon, interfaces.polygon_start[:-1]) / np.diff(interfaces.polygon_start)[:, None]
@@ -117,7 +117,7 @@ def test_a_floor_without_sides_lies_on_all_walls() -> None:
 
 @pytest.mark.parametrize(("course", "is_warned_of"), [(2, False), (3, True), (4, True), (5, False)])
 def test_a_floor_on_a_course_that_an_arch_cuts_is_warned_of(course: int, is_warned_of: bool) -> None:
-    """A floor right above the crown lost more than half of its mass without a word: voussoirs carry none of it."""
+    """Voussoirs carry no floor. A floor just above the crown lost more than half of its mass without a warning."""
     arch = opening("south", (0.8, 0.2), (1.6, 0.4), 0.2, head="arch", rise=0.2, voussoirs=5)
     floors = [scenes.table("[building.floor]", course=course, mass=100.0, **sides) for sides in ({"sides": ["south"]}, {"sides": ["west"]})]
     told = [words for words in building("L", extra="\n".join([arch, *floors])).warnings if "floor" in words]
@@ -142,7 +142,7 @@ def test_foundations_settle_within_the_region_and_nowhere_else(region, settling)
 
 
 def test_a_pushed_building_stands_on_strips_that_do_not_settle() -> None:
-    """Two courses slide before any stack of blocks tips: at a push of mu times the weight."""
+    """Two courses slide at a push of mu times the weight, before any stack of blocks tips."""
     scene = building("L", courses=2, foundation={"height": 0.3}, live=(1.0, 0.0, 0.0), friction=0.25)
     held = ~scene.blocks.free
     assert set(scene.blocks.role[held]) == {1}
@@ -200,7 +200,7 @@ def test_headers_tie_neighbouring_leaves_and_in_three_both_pairs_in_turn(leaves)
 
 
 def test_headers_make_leaves_stand_together_against_a_push_across() -> None:
-    """A leaf of breadth b alone tips at b/h; two lean on each other; tied by headers they hold more, at most as one piece of 2b."""
+    """A single leaf of breadth b tips at b/h. Two leaves lean on each other. Headers let them resist more, at most as one leaf of 2b."""
     high, breadth = 6 * HIGH, THICK
     loose, tied = leaved(2), leaved(2, headers_every=2)
     multipliers = [solve_associated(assemble(scene), Drive.LIVE).value for scene in (loose, tied)]
@@ -248,7 +248,7 @@ def test_a_block_that_is_cut_on_both_sides_bears_a_flat_arch(first, second, entr
     assert wall() - wall(first, second) == pytest.approx(2 * 0.4 * 0.4 * THICK, rel=1e-6)
 
 
-# --- what is refused ---------------------------------------------------------------------------------------------------------
+# --- refusals ----------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Barrel vaults answer as their arches do, domes alike all round, and the thinnest lune that stands is Heyman's."""
+"""Barrel vaults have the thrust of their arches, domes the same reactions in all directions, and the thinnest lune is Heyman's."""
 
 import math
 from typing import Any
@@ -32,7 +32,7 @@ def ratio(scene: Scene, drive: Drive = Drive.YIELDING) -> float:
 
 
 def plane_arch(**changes: Any) -> Scene:
-    """The arch that a ring of the test's vault is."""
+    """The plane arch with the cross-section of the vault in these tests."""
     entries = {"depth": 0.7, "length": None, "rings": None, "bond": None} | changes
     return scenes.build(vault(**entries).replace("[[vault]]", "[[arch]]"), friction=ROUGH, settlement=RIGHT)
 
@@ -40,7 +40,7 @@ def plane_arch(**changes: Any) -> Scene:
 @pytest.mark.parametrize("drive", [Drive.YIELDING, Drive.PUSHING])
 @pytest.mark.parametrize(("rings", "bond"), [(1, "stack"), (4, "stack"), (1, "running"), (3, "running")])
 def test_a_vault_thrusts_as_its_arch_does(rings: int, bond: str, drive: Drive) -> None:
-    """In running bond, too: without sliding every ring, and every half voussoir, moves by the arch's mechanism."""
+    """This holds in running bond, too: without sliding, every ring and every half voussoir moves in the mechanism of the arch."""
     scene = scenes.build(vault(rings=rings, bond=bond), friction=ROUGH, settlement=RIGHT, plane=False)
     assert ratio(scene, drive) == pytest.approx(ratio(plane_arch(), drive), abs=EXACT)
 
@@ -53,7 +53,7 @@ def test_a_vault_of_eleven_courses_has_the_thrust_of_the_known_arch(direction: t
 
 
 def test_running_bond_ties_the_rings_of_a_vault_together() -> None:
-    """Pads under half of the springing: the ring over them may drop alone in stack bond, in running bond its neighbours hold it."""
+    """The settling pad supports half of the springing. The ring above it may drop alone in stack bond, but not in running bond."""
     held = vault(rings=2, springers=None, embrace=180.0, centre=(0.0, 0.0, 0.0), thickness=0.6)
     pads = [scenes.box("left", (-2.4, 0.0, -0.3), (-1.6, 3.0, 0.0), "fixed")]
     pads += [scenes.box(role, (1.6, y, -0.3), (2.4, y + 1.5, 0.0), role) for role, y in (("fixed", 0.0), ("support", 1.5))]
@@ -89,7 +89,7 @@ def test_a_whole_dome_rests_on_all_its_springers(changes: dict[str, Any]) -> Non
 
 
 def test_what_some_springers_do_not_carry_the_others_do() -> None:
-    """The springers' vertical forces add up to the weight: the least of some is the weight less the greatest of the others."""
+    """The vertical forces of the springers add up to the weight: the least of some is the weight minus the greatest of the others."""
     some, others = (scenes.build(dome(**CLOSED, support=lunes)) for lunes in ((1, 5), (6, 12)))
     assert ratio(some) + ratio(others, Drive.PUSHING) == pytest.approx(1.0, abs=EXACT)
     assert ratio(others) + ratio(some, Drive.PUSHING) == pytest.approx(1.0, abs=EXACT)
@@ -99,10 +99,10 @@ def test_what_some_springers_do_not_carry_the_others_do() -> None:
 
 
 def lune_stands(thickness: float, lunes: int, courses: int) -> bool:
-    """Whether a thrust line fits into one lune of a closed hemisphere of radius 1 that gets no help from its neighbours.
+    """Whether a thrust line fits into one lune of a closed hemisphere of radius 1, without forces from its neighbours.
 
-    Plane statics in the lune's middle plane, x outwards: the keystone gives its share of weight, any thrust and any moment; at each
-    bed joint the resultant of all above passes between intrados and extrados. Volumes and centroids of frusta about the centre.
+    Plane statics in the lune's middle plane, x outwards. The keystone exerts its share of the weight, any thrust and any moment. At
+    each bed joint the resultant of all forces above passes between intrados and extrados. The voussoirs are frusta about the centre.
     """
     inner, outer = 1.0 - thickness / 2.0, 1.0 + thickness / 2.0
     parallels = np.linspace(0.0, math.pi / 2.0, courses + 1)[1:]
@@ -116,7 +116,7 @@ def lune_stands(thickness: float, lunes: int, courses: int) -> bool:
     for k in range(courses):
         for edge, sign in ((inner * joint[k], 1.0), (outer * joint[k], -1.0)):
             weights = edge[0] * keystone - np.sum((arm[:k] - edge[0]) * weight[:k])
-            rows.append([sign * edge[1], sign])  # moments of the unit thrust along the centre's level, and of the moment
+            rows.append([sign * edge[1], sign])  # moments of a unit thrust at the centre's level, and of a unit moment
             most.append(-sign * weights)
     return bool(linprog([0.0, 0.0], A_ub=rows, b_ub=most, bounds=[(None, None)] * 2).success)
 
@@ -131,7 +131,7 @@ def thinnest(lunes: int, courses: int) -> float:
 
 
 def test_thinnest_lune_is_heyman_s() -> None:
-    """Heyman 1967: 0.042 for orange slices; two digits, the weight on the middle surface."""
+    """Heyman (1967) gives 0.042 for orange slices, to two digits, with the weight on the middle surface."""
     assert thinnest(400, 400) == pytest.approx(0.042, abs=1e-3)
 
 
@@ -139,7 +139,7 @@ def test_thinnest_lune_is_heyman_s() -> None:
 @pytest.mark.parametrize(("over", "status"), [(0.99, Status.INFEASIBLE), (1.01, Status.SOLVED)])
 @pytest.mark.parametrize("model", ["associated", "none-slides"])
 def test_a_hemisphere_stands_exactly_if_its_lunes_do(lunes: int, courses: int, over: float, status: Status, model: str) -> None:
-    """Above the least thickness lunes without hoop forces are a safe state; below, the lunes part as they fall, and nothing holds them."""
+    """Above the least thickness, lunes without hoop forces are a safe state. Below it, the lunes part as they fall, without restraint."""
     entries = CLOSED | {"radius": 1.0, "thickness": over * thinnest(lunes, courses), "embrace": 90.0, "lunes": lunes, "courses": courses}
     scene = scenes.build(dome(**entries, support=(1, lunes)), friction=ROUGH, model=model)
     assert solve_associated(assemble(scene), Drive.YIELDING).status is status

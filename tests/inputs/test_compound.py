@@ -1,4 +1,4 @@
-"""Blocks that are not convex: their division into convex parts, their mass, their joints, and what they carry."""
+"""Blocks that are not convex: their division into convex parts, their mass, their joints and their reactions."""
 
 import itertools
 
@@ -23,7 +23,7 @@ TEE = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [3.0, 1.0], [3.0, 2.0], [0.0, 2.0], [
 
 
 def is_divided(profile: np.ndarray) -> int:
-    """Check that the parts are convex, do not overlap and fill the profile; their number."""
+    """Check that the parts are convex, do not overlap and fill the profile; return their number."""
     parts = [shapely.Polygon(part) for part in convex_parts(profile)]
     area = shapely.area(shapely.Polygon(profile))
     assert sum(map(shapely.area, parts)) == pytest.approx(area, rel=ROUND_OFF)
@@ -39,7 +39,7 @@ def test_a_profile_is_divided_by_as_few_cuts_as_it_has_inward_corners_in_line(pr
 
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_inward_corners_that_are_all_but_level_leave_no_sliver(mirrored: bool) -> None:
-    """A survey is never exact: the cut from one of them to the other would have to be followed by one beside it."""
+    """In a survey, two such corners are never exactly level. A cut from one to the other would require a second cut beside it."""
     ears = np.array([[0.4, 0.0], [0.6, 0.0], [0.6, 0.15], [0.65, 0.15], [0.65, 0.3], [0.35, 0.3], [0.35, 0.151], [0.4, 0.151]])
     ears = ([1.0, 0.0] + [-1.0, 1.0] * ears)[::-1] if mirrored else ears
     assert sorted(shapely.area(shapely.Polygon(part)) for part in convex_parts(ears)) == pytest.approx([0.00745, 0.0075, 0.06])
@@ -88,7 +88,7 @@ def test_a_face_that_is_cut_between_two_parts_has_one_joint() -> None:
 
 
 def test_a_joint_that_is_not_convex_keeps_the_joints_of_all_its_parts() -> None:
-    """A stone like an L before another one: its parts have a joint each."""
+    """An L-shaped stone lies against another stone. Each of its parts has a joint with it."""
     corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [0.2, 0.3], [0.2, 1.0], [0.0, 1.0]]
     wall = scenes.block("wall", role="fixed", prism=([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [0.2, 0.4]))
     scene = scenes.build(scenes.block("corner", prism=(corner, [0.0, 0.2])), wall, live=(1.0, 0.0, 0.0))
@@ -97,7 +97,7 @@ def test_a_joint_that_is_not_convex_keeps_the_joints_of_all_its_parts() -> None:
 
 def test_two_blocks_that_meet_in_two_places_of_one_plane_have_one_joint_in_each() -> None:
     arch = [[0.0, 0.0], [0.4, 0.0], [0.42, 0.15], [0.5, 0.2], [0.58, 0.15], [0.6, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-    below = [[x, -z] for x, z in arch]  # chords of both, drawn on, cut both feet
+    below = [[x, -z] for x, z in arch]  # extended chords of both profiles cut both feet
     scene = scenes.build(
         *(
             scenes.block(name, role=role, prism=(profile, [0.0, 1.0]))
@@ -110,7 +110,7 @@ def test_two_blocks_that_meet_in_two_places_of_one_plane_have_one_joint_in_each(
 @pytest.mark.parametrize("plane", [True, False])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_corner_block_is_carried_at_its_own_centroid(plane: bool, turned: bool) -> None:
-    """Moments about the fixed pad's end; the L's centroid lies at 5/12 of its width."""
+    """The reaction follows from moments about the end of the fixed pad. The centroid of the L lies at 5/12 of its width."""
     place = (1.0 - 5.0 / 12.0) if turned else 5.0 / 12.0
     shape = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]]
     profile = [[1.0 - x, z] for x, z in shape] if turned else shape

@@ -1,4 +1,4 @@
-"""Joints and their contact points are as many, and lie and look, as one counts on paper, and none is redundant."""
+"""Joints and contact points have the number, places and normals of counts by hand, and no contact point is redundant."""
 
 import math
 
@@ -18,7 +18,7 @@ def corners_of(points: np.ndarray) -> list[tuple[float, ...]]:
 
 
 def stacked(low: tuple[float, float], high: tuple[float, float], inset: float = 0.0) -> Assembly:
-    """A unit cube on the plane z = 0 and on it a block with this footprint; both joints in 3D."""
+    """A unit cube on the plane z = 0, and a block with this footprint on the cube; both joints are in 3D."""
     return assemble(
         scenes.build(
             scenes.box("base", (0.0, 0.0, -0.5), (1.0, 1.0, 0.0), "fixed"),
@@ -36,7 +36,7 @@ def upper_points(assembly: Assembly) -> np.ndarray:
 
 
 def test_some_of_the_joints_keep_their_own_outlines() -> None:
-    """Joints of a wall with a gable, of four and of three corners, and any half of them."""
+    """A selection of joints with three and with four corners keeps their outlines."""
     gable = [scenes.block(f"gable {k}", prism=([[0.0, 0.0], [1.0, 0.0], [0.5, 0.4]], (0.5 * k, 0.5 * (k + 1)))) for k in range(3)]
     joints = find_interfaces(scenes.build(*scenes.base(0.5, 1.0, 1.5), *gable, plane=False).blocks)
     sides = np.diff(joints.polygon_start)
@@ -64,7 +64,7 @@ def test_running_bond_has_the_joints_one_counts_on_paper(per_course, courses, pl
 
 
 def test_long_foundation_block_touches_every_block_above() -> None:
-    """Contact search by nearest centroids loses these."""
+    """A contact search by nearest centroids would lose these joints."""
     count = 200
     above = [box((k * 0.1, 0.0, 0.0), ((k + 1) * 0.1, 0.3, 0.1)) for k in range(count)]
     interfaces = find_interfaces(gathered(box((0.0, 0.0, -0.2), (count * 0.1, 0.3, 0.0)), *above, held=1))
@@ -82,7 +82,7 @@ def test_held_blocks_have_no_contact_between_them() -> None:
     assert FIXED in roles
 
 
-# --- where and which way -----------------------------------------------------------------------------------------------------
+# --- places and normals ------------------------------------------------------------------------------------------------------
 
 
 def test_normals_point_from_the_lower_to_the_higher_index() -> None:
@@ -120,7 +120,7 @@ def test_points_are_the_corners_of_the_overlap_drawn_in_by_the_inset(low, high, 
 
 
 def test_blocks_crossed_askew_meet_in_an_octagon() -> None:
-    """Square on a square turned by 45 degrees: corners are crossings of edges, none is a vertex of either block."""
+    """A square lies on a square turned by 45 degrees. All corners are crossings of edges, and none is a vertex of a block."""
     turn = scenes.rotation((0.0, 0.0, 1.0), math.pi / 4.0)
     below, above = box((-0.5, -0.5, -1.0), (0.5, 0.5, 0.0)), turned(box((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0)), turn)
     interfaces = find_interfaces(gathered(below, above))
@@ -132,7 +132,7 @@ def test_blocks_crossed_askew_meet_in_an_octagon() -> None:
 
 
 def test_inset_of_a_triangle_moves_its_edges_not_its_corners() -> None:
-    """Mitred: every point keeps the inset as its distance from both edges that meet there."""
+    """Every contact point keeps the inset as its distance from both edges that meet at its corner."""
     inset = 0.01
     scene = scenes.build(
         scenes.box("base", (-1.0, -1.0, -0.5), (2.0, 2.0, 0.0), "fixed"),
@@ -173,7 +173,7 @@ def test_contacts_turn_with_the_blocks(axis, inset) -> None:
 
 
 def test_vertices_on_an_edge_give_no_points() -> None:
-    """A profile with a vertex in the middle of its straight base, on a base with the same: still a rectangle."""
+    """Both profiles have a vertex in the middle of their common straight edge. The joint is still a rectangle."""
     base = prism([(0.0, -0.5), (2.0, -0.5), (2.0, 0.0), (1.0, 0.0), (0.0, 0.0)], (0.0, 1.0))
     above = prism([(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)], (0.0, 1.0))
     interfaces = find_interfaces(gathered(base, above))
@@ -181,7 +181,7 @@ def test_vertices_on_an_edge_give_no_points() -> None:
 
 
 def test_corners_that_nearly_coincide_are_one() -> None:
-    """Footprints that differ by less than the tolerance share their corners; digits of typed coordinates differ like this."""
+    """Footprints that differ by less than the tolerance share their corners. Typed coordinates differ in this way in their last digits."""
     slip = 0.2 * TOUCH
     below = box((0.0, 0.0, -1.0), (1.0, 1.0, 0.0))
     above = polyhedron([(x + slip * y, y - slip * x, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])

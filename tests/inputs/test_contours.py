@@ -1,4 +1,4 @@
-"""A contour drawn around stones is no stone; an outline around one mark, or around a few of another layer, is."""
+"""A contour drawn around stones is no stone. An outline around one mark, or around a few marks of another layer, is a stone."""
 
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def test_other_outlines_leave_a_stone_as_it_is(others: list[Outline]) -> None:
 
 @pytest.mark.parametrize(("layer", "listed"), [("WINDOW", "openings"), ("BASE", "ground"), ("PAD", "support"), ("DETAIL", "ignore")])
 def test_only_a_block_is_a_contour_and_only_of_what_is_read(layer: str, listed: str) -> None:
-    """A window has panes and ground is hatched; what is ignored fills nothing."""
+    """Outlines of windows contain panes, and ground is hatched, so they are no contours. Ignored outlines do not make a contour."""
     parts = [rectangle(((x, 0.03), (x + 0.46, 0.47)), layer="DETAIL") for x in (0.03, 0.51)]
     drawn = Drawn(1.0, [rectangle(CONTOUR, layer="STONES" if layer == "DETAIL" else layer), *parts])
     found = cleaned(drawn, 0.0, lambda name, _: listed if name == layer else "blocks")
@@ -111,7 +111,7 @@ def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(open
 
 
 def _wall_of_two(opening: str, folder: Path, more: str = "") -> tuple[Drawing, MeshFile]:
-    """Two stones beside each other, 2 by 0.7 m, and an opening across their joint."""
+    """Two stones side by side, together 2 by 0.7 m, and an opening across their joint."""
     layers = {"LEFT": "0 0 1000 700", "RIGHT": "1000 0 1000 700", "WINDOW": opening}
     rows = "".join(f'<g id="{layer}">{_rect(numbers)}</g>' for layer, numbers in layers.items())
     (folder / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}{more}</svg>')
@@ -120,7 +120,7 @@ def _wall_of_two(opening: str, folder: Path, more: str = "") -> tuple[Drawing, M
 
 
 def test_an_opening_across_several_stones_is_refused_however_little_of_it_lies_in_each(tmp_path: Path) -> None:
-    """A third of the opening lies in either stone, and a stone beyond it touches it."""
+    """A third of the opening lies in each stone, and a further stone touches the opening from outside."""
     table, file = _wall_of_two("900 500 200 300", tmp_path, f'<g id="BEYOND">{_rect("900 800 200 100")}</g>')
     with pytest.raises(SceneError, match='lies in blocks on layer "LEFT", "RIGHT", and'):
         drawing_blocks(table, file, 0.0)
@@ -128,7 +128,7 @@ def test_an_opening_across_several_stones_is_refused_however_little_of_it_lies_i
 
 @pytest.mark.parametrize(("reach", "is_told"), [(5, False), (40, False), (60, True), (200, True)])
 def test_an_opening_that_reaches_into_stones_is_told_since_they_stay_whole(reach: int, is_told: bool, tmp_path: Path) -> None:
-    """It reaches `reach` mm of its 500 mm down into both."""
+    """The opening, 500 mm high, reaches `reach` mm down into both stones."""
     table, file = _wall_of_two(f"600 {reach - 500} 900 500", tmp_path)
     shapes_built, counts = drawing_blocks(table, file, 0.0)
     blocks = Blocks.gather(["left", "right"], ["free"] * 2, [1.0] * 2, [named.shape for named in shapes_built])
@@ -143,7 +143,7 @@ def test_an_opening_that_reaches_into_stones_is_told_since_they_stay_whole(reach
 @pytest.mark.parametrize(("share", "blocks"), [(0.7, 3), (0.9, 2)])
 def test_an_outline_with_most_of_it_in_an_opening_is_no_block(share: float, blocks: int, tmp_path: Path) -> None:
     rows = f'<g id="STONE">{_rect("0 0 1000 700")}{_rect("1500 0 500 700")}{_rect(f"{1500 - 200 * share} 100 200 200")}</g>'
-    rows += f'<g id="WINDOW">{_rect("1000 0 500 150")}{_rect("1000 150 500 550")}</g>'  # of two lights
+    rows += f'<g id="WINDOW">{_rect("1000 0 500 150")}{_rect("1000 150 500 550")}</g>'  # an opening of two lights
     (tmp_path / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
     table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
     assert len(drawing_blocks(table, read_drawing(table, tmp_path), 0.0)[0]) == blocks
@@ -151,7 +151,7 @@ def test_an_outline_with_most_of_it_in_an_opening_is_no_block(share: float, bloc
 
 @pytest.mark.parametrize("tolerance", [0.0, 0.005])
 def test_a_stone_that_is_drawn_around_its_hole_with_a_slit_is_built(tolerance: float, tmp_path: Path) -> None:
-    """As the message and the pages advise; a tolerance wider than the slit leaves it open."""
+    """The message and the pages advise this outline. A tolerance wider than the slit does not close it."""
     hole = "1000.5,700 1000.5,500 1200,500 1200,200 900,200 900,500 999.5,500 999.5,700"
     rows = f'<g id="STONE"><polygon points="0,0 2000,0 2000,700 {hole} 0,700"/></g><g id="WINDOW">{_rect("900 200 300 300")}</g>'
     (tmp_path / "pier.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')

@@ -1,16 +1,16 @@
-"""Lines that cross everywhere and outlines in a heap are refused before they cost minutes; hatches and contours are no such thing."""
+"""Tangles of lines and heaps of outlines are refused before they cost minutes. Hatches and contours are not refused."""
 
 import numpy as np
 import pytest
 
 from la_core.drawing import Drawn, Outline, cleaned, cleaning, enclosing
 
-LINEAR = 1.1  # of the growth of the drawing
+LINEAR = 1.1  # allowed growth over that of the drawing
 PLACE = ("WALL", "7")
 
 
 def grid(count: int) -> list[np.ndarray]:
-    """As many lines across as upright, each of which crosses all of the other kind."""
+    """`count` level and `count` upright lines. Each line crosses all lines of the other kind."""
     at = np.arange(1.0, count + 1.0)
     across = [np.array([[0.0, z], [count + 1.0, z]]) for z in at]
     return [*across, *(line[:, ::-1] for line in across)]
@@ -46,7 +46,7 @@ def test_outlines_in_a_heap_are_refused(monkeypatch: pytest.MonkeyPatch) -> None
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1), (1, 0, 2), (2, 0, 1)])
 def test_ends_of_lines_meet_in_any_order(order: tuple[int, ...]) -> None:
-    """Three ends, each 0.9 of the distance within which ends meet from the next, and one far away."""
+    """Three ends, each at 0.9 of the merging distance from the next, and one end far away."""
     ends = np.array([[0.0, 0.0], [0.9, 0.0], [1.8, 0.0]])[list(order)]
     merged = enclosing._merged(np.concatenate([ends, [[9.0, 0.0]]]), 1.0)
     assert np.array_equal(merged, np.concatenate([np.tile(ends[0], (3, 1)), [[9.0, 0.0]]]))
@@ -54,7 +54,7 @@ def test_ends_of_lines_meet_in_any_order(order: tuple[int, ...]) -> None:
 
 
 def test_four_times_the_outlines_that_lines_divide_take_four_times_the_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A line across all outlines of its layer replaces each by its two halves."""
+    """A line across all outlines of its layer divides each of them into two halves."""
     gathered: list[int] = []
 
     def counted(members=()):

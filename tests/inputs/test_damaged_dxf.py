@@ -1,4 +1,4 @@
-"""DXF files with a fault or a gap that a reader could pass over: what would vanish or move is told of in words."""
+"""DXF files with a fault that a reader could pass over: a message names the entities that would vanish or move."""
 
 import io
 from pathlib import Path

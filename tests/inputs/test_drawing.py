@@ -1,4 +1,4 @@
-"""Drawings: outlines of DXF and SVG become the blocks that a user would have typed, or are refused in words."""
+"""Drawings: outlines of DXF and SVG become the blocks that a user would have typed, or are refused with a message."""
 
 import tomllib
 from pathlib import Path
@@ -139,7 +139,7 @@ def test_layers_and_colours_say_what_an_outline_is(tmp_path: Path) -> None:
 
 
 def test_arcs_become_chords_within_the_sagitta(tmp_path: Path) -> None:
-    """A half circle of 1 m on a base: its area lies below the circle's by the chords' segments."""
+    """A half circle of 1 m radius on a base. Its drawn area lacks the segments between the chords and the circle."""
     content = dxf(
         [polyline([(-1000, -100), (1000, -100), (1000, 0), (-1000, 0)], "G"), polyline([(-1000, 0), (1000, 0)], "A", bulges=[0.0, 1.0])]
     )
@@ -219,7 +219,7 @@ REFUSED_SVG = {
 @pytest.mark.parametrize("tolerance", [None, 0.003])
 @pytest.mark.parametrize("name", WITHOUT_AREA)
 def test_an_outline_without_area_is_dropped_and_counted(name: str, tolerance: float | None, tmp_path: Path) -> None:
-    """It would be refused as one that crosses itself."""
+    """Otherwise it would be refused as an outline that crosses itself."""
     content = dxf([polyline(SQUARE, "A"), polyline(WITHOUT_AREA[name], "A"), polyline(BASE, "GROUND")])
     tables = {"geometry": {"tolerance": tolerance}} if tolerance else {}
     scene = scene_of(tmp_path, content, tables=tables, ground=["GROUND"])
@@ -242,7 +242,7 @@ def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("turn", "corners"), [(90.0, (0.6, 0.5)), (0.0, (1.0, 0.3))])
 def test_a_turned_block_in_a_stretched_one_keeps_its_corners(turn: float, corners: tuple[float, float], tmp_path: Path) -> None:
-    """A stone of 0.5 x 0.3 m is turned first, and then stretched along x by 2: it was stretched along its own x, and 1 m high."""
+    """A stone of 0.5 x 0.3 m is turned, then stretched along x by 2. It was stretched along its own x axis, and became 1 m high."""
     stone = polyline([(0, 0), (500, 0), (500, 300), (0, 300)], "0")
     blocks = {"STONE": stone, "UPRIGHT": insert("STONE", (300 if turn else 0, 0), "0", turn=turn)}
     drawn = [polyline([(-500, -100), (1500, -100), (1500, 0), (-500, 0)], "GROUND"), insert("UPRIGHT", (0, 0), "A", scale=(2.0, 1.0))]
@@ -257,7 +257,7 @@ ELL = [(505, 5), (1000, 5), (1000, 800), (5, 800), (5, 405), (505, 405)]
 
 @pytest.mark.parametrize("joints", [0.011, 0.012, 0.015])
 def test_an_open_joint_in_line_with_the_cut_of_a_stone_is_closed(joints: float, tmp_path: Path) -> None:
-    """A stone in the notch of an L with joints of 10 mm. The cut that divides the L held its faces where they were drawn."""
+    """A stone lies in the notch of an L with joints of 10 mm. The cut that divides the L kept its faces from moving."""
     stones = [polyline([(-200, -300), (1500, -300), (1500, -5), (-200, -5)], "G"), polyline([(5, 5), (495, 5), (495, 395), (5, 395)], "A")]
     scene = scene_of(tmp_path, dxf([*stones, polyline(ELL, "B")]), ground=["G"], joints=joints)
     assert scene.repairs is not None and not scene.repairs.unclosed and not scene.warnings
@@ -283,7 +283,7 @@ def test_a_vast_circle_has_no_more_chords_than_memory_holds(tmp_path: Path) -> N
 
 ON_TWO_LAYERS = [drawn.line((0, z), (1000, z), "BED") for z in (0, 500)] + [drawn.line((x, 0), (x, 500), "HEAD") for x in (0, 1000)]
 ALL_TAKEN = "list layers of free blocks in `blocks` alone"
-NONE_FREE = {  # entities, keys of the drawing, and what is said
+NONE_FREE = {  # entities, keys of the drawing, and end of the message
     "lines on two layers": (
         ON_TWO_LAYERS,
         {"ground": ["GROUND"]},
@@ -396,7 +396,7 @@ def test_what_a_drawing_hides_is_not_read(tmp_path: Path) -> None:
     inner.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "B"})
     inner.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "0"})
     space.add_blockref("INNER", (5000, 0), dxfattribs={"layer": "FROZEN"})
-    space.add_blockref("INNER", (5000, 0), dxfattribs={"layer": "OFF"})  # what lies on another layer is seen
+    space.add_blockref("INNER", (5000, 0), dxfattribs={"layer": "OFF"})  # an entity on another layer is seen
     document.saveas(tmp_path / "hidden.dxf")
     scene = scene_of(tmp_path, (tmp_path / "hidden.dxf").read_bytes())
     np.testing.assert_allclose(sorted(scene.blocks.high[:, 2]), [0.0, 0.5])

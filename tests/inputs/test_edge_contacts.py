@@ -1,4 +1,4 @@
-"""Blocks that touch along an edge or at a corner alone are told with their place; no others are."""
+"""Blocks that touch only along an edge or at a corner are reported with their place. No other blocks are."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_the_place_is_in_full_far_from_the_origin() -> None:
 
 
 def test_a_corner_on_a_face_and_an_edge_across_an_edge_are_told() -> None:
-    """A pyramid stands on its tip; two ridges cross, and no corner of one touches the other."""
+    """A pyramid stands on its tip. Two ridges cross, and no corner of one block touches the other block."""
     tip = [[0.5, 0.5, 1.0], [0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0]]
     pyramid = pushed(GROUND, scenes.box("base", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.block("pyramid", polyhedron=tip))
     assert told(pyramid) == [f'blocks "base" and "pyramid" touch at a corner alone, near (0.5, 0.5, 1) m: {NO_JOINT}']
@@ -50,7 +50,7 @@ def test_a_corner_on_a_face_and_an_edge_across_an_edge_are_told() -> None:
 
 
 def test_blocks_apart_that_no_face_separates_are_not_told() -> None:
-    """A face of each lies in one plane, and no plane of a face runs between the two: they seem near, and share nothing."""
+    """A face of each block lies in one common plane, and no face plane separates the blocks. They seem near but do not touch."""
     low = [[x, y, 1.0 + z] for y in (0.0, 1.0) for x, z in ((0.0, -1.0), (0.4, -1.0), (0.0, 0.0), (1.0, 0.0))]
     high = [[x + lean, y, z] for lean, z in ((0.0, 1.0), (-0.8, 2.0)) for x, y in ((1.1, 0.5), (1.6, 0.0), (2.1, 0.5), (1.6, 1.0))]
     pad = scenes.box("pad", (1.2, 0.0, 0.0), (2.0, 1.0, 1.0))
@@ -67,7 +67,7 @@ def test_blocks_across_a_step_are_told_and_several_pairs_in_one_sentence() -> No
 
 
 def test_blocks_across_a_cross_of_joints_are_not_told() -> None:
-    """The blocks beside them have joints with both. Without these blocks an edge is all that two blocks share."""
+    """The blocks beside a diagonal pair have joints with both blocks of the pair. Without them, the pair shares only an edge."""
     stack = {(i, k): scenes.box(f"{i} {k}", (i, 0.0, k), (i + 1.0, 1.0, k + 1.0)) for i in range(3) for k in range(3)}
     assert not told(pushed(GROUND, *stack.values()))
     open_ones = [text for place, text in stack.items() if place not in [(0, 1), (1, 0)]]
@@ -86,13 +86,13 @@ def test_shipped_walls_arches_and_domes_are_told_nothing(name: str) -> None:
 
 @pytest.mark.parametrize("depth", [0.02, 0.3])
 def test_blocks_that_share_volume_do_not_touch_along_an_edge(depth: float) -> None:
-    """A block that is drawn too deep into its ground has no joint with it; the refusal says why, and no warning says otherwise."""
+    """A block that is drawn too deep into its ground has no joint with it. The refusal names the overlap, and no warning contradicts it."""
     sunk = pushed(GROUND, WALL, scenes.box("sunk", (0.5, 0.0, -depth), (1.5, 1.0, 1.0 - depth)))
     assert not told(sunk) and not len(edge_contacts(sunk.blocks).pairs)
 
 
 def cubes(left_out: set[tuple[int, int, int]]) -> Scene:
-    """Two by two by two cubes of 1 m on ground, without some."""
+    """Two by two by two cubes of 1 m on ground, without the cubes in `left_out`."""
     places = [place for place in np.ndindex(2, 2, 2) if place not in left_out]
     parts = [scenes.box("cube {} {} {}".format(*p), p, tuple(k + 1.0 for k in p)) for p in places]
     return pushed(scenes.box("floor", (0.0, 0.0, -1.0), (2.0, 2.0, 0.0), "fixed"), *parts)

@@ -1,4 +1,4 @@
-"""A whole elevation as a drawing program writes it, from the file to the bounds, with no code of the user's and one flag."""
+"""An elevation written by a drawing program is taken from the file to the bounds, without code of the user's and with one flag."""
 
 import json
 from pathlib import Path
@@ -18,7 +18,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 
 def taken_through(path: Path, content: bytes, capsys: pytest.CaptureFixture[str]) -> tuple[dict, dict]:
-    """What `show` and `solve --bounds` say about a drawing after `new --from`."""
+    """Output of `show` and of `solve --bounds` for a drawing after `new --from`."""
     path.write_bytes(content)
     scene = str(path.with_suffix(".toml"))
     assert main(["new", "-q", "--from", str(path)]) == 0
@@ -27,7 +27,7 @@ def taken_through(path: Path, content: bytes, capsys: pytest.CaptureFixture[str]
 
 
 def is_whole(shown: dict, blocks: int) -> None:
-    """Every brick is there once, its joints are closed, and what stayed open lies at the cut bricks over the arches."""
+    """Check that every brick is present once and that its joints are closed, except at the cut bricks over the arches."""
     (drawing,), repairs = shown["geometry"]["drawings"], shown["geometry"]["repairs"]
     assert shown["free_blocks"] >= blocks and shown["fixed_blocks"] == shown["support_blocks"] == 1
     assert drawing["doubles"] > 0 and drawing["loose_lines"] == 0 and drawing["ignored"] == {"TEXT": 1}

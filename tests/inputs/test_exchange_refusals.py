@@ -1,4 +1,4 @@
-"""Anything less than a whole file of ours, or one of another scene, is refused with the reason."""
+"""A file that is not whole, not of this program or of another scene is refused with the reason."""
 
 import shutil
 from collections.abc import Callable
@@ -37,7 +37,7 @@ def refusal(path: Path, expected: tuple[Field, ...] = FIELDS) -> str:
 
 
 def edited(path: Path, change: Callable[[h5py.File], object]) -> Path:
-    """The file after a change by another hand that knows how to seal it."""
+    """The file, changed and sealed again as a whole file."""
     with h5py.File(path, "r+") as file:
         change(file)
     write_sealed(path, path.read_bytes())
@@ -57,7 +57,7 @@ def test_missing_file(tmp_path) -> None:
 
 
 def test_a_file_that_may_not_be_read_is_one_to_ask_for(tmp_path, monkeypatch) -> None:
-    """To run the scene again is of no use in another user's folder. Root may read everything, so the system's answer is imitated."""
+    """To run the scene again is of no use in another user's folder. Root may read every file, so the test imitates the system's error."""
 
     def closed(path) -> bytes:
         raise PermissionError(13, "Permission denied", str(path))
@@ -165,7 +165,7 @@ def test_case_of_another_scene(case, change, named) -> None:
 
 @pytest.mark.parametrize("field", ["contacts/position", "blocks/centroid", "blocks/mass"])
 def test_a_case_whose_geometry_was_rounded_otherwise_is_that_of_the_scene(case, field, tmp_path) -> None:
-    """Voussoirs of an arch that version 0.2.0 stored are 1e-15 m beside those of today; another processor may do the same."""
+    """Voussoirs of an arch stored by version 0.2.0 differ by 1e-15 m from those of today. Another processor may do the same."""
     path, scene, _ = case
     for share, is_same in ((1e-15, True), (1e-9, False)):
         copy = shutil.copy(path, tmp_path / "case.h5")
@@ -185,7 +185,7 @@ HELD = [pad.replace('"support"', '"fixed"') for pad in PADS]
 
 
 def sinking(*ratios: float) -> Scene:
-    """A beam on two pads, each of which has a share of the settlement of its own."""
+    """A beam on two pads. Each pad has its own share of the settlement."""
     zones = [{"blocks": [f"pad {k}"], "ratio": ratio} for k, ratio in enumerate(ratios)]
     return scenes.build(*PADS, LYING, settlement={"direction": scenes.DOWN, **({"zone": zones} if zones else {})})
 

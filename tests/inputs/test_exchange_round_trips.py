@@ -1,4 +1,4 @@
-"""What is written for the other method is read back as it was, or not written at all."""
+"""Values written for the other method are read back unchanged, or are not written at all."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
@@ -72,7 +72,7 @@ def test_case_comes_back_as_it_was(case) -> None:
 
 
 def test_files_are_read_and_sealed_twice_once_for_what_they_hold_and_once_for_its_values(case, tmp_path, monkeypatch) -> None:
-    """A file is read as a whole each time, and its digest computed."""
+    """Each reading takes the whole file and computes its digest."""
     path, scene, analysis = case
     write_run(tmp_path / "run.h5", perfect_run(analysis), "inputs")
     opened, read = [], hdf5.read_sealed
@@ -89,7 +89,7 @@ def test_case_that_cannot_stand_comes_back_with_the_names_of_what_falls(tmp_path
     write_case(tmp_path / "case.h5", analysis, "")
     back = read_case(tmp_path / "case.h5", scene)
     assert back.bounds[Drive.YIELDING].falling == ("overhang",) and np.isnan(back.bounds[Drive.YIELDING].value)
-    assert associated_values(back)["seconds"] == associated_values(analysis)["seconds"]  # the search for what falls counts once
+    assert associated_values(back)["seconds"] == associated_values(analysis)["seconds"]  # the search for falling blocks counts once
 
 
 def test_case_of_a_live_load(tmp_path) -> None:
@@ -122,7 +122,7 @@ def test_value_that_is_not_there_is_named_and_nothing_written(tmp_path) -> None:
 
 
 class InterruptedError(Exception):
-    """Stands for a crash while a value is being written."""
+    """A crash while a value is being written."""
 
 
 class Exploding:
@@ -154,7 +154,7 @@ def test_digest_follows_the_scene(two_pads) -> None:
 
 
 def test_several_threads_may_write_one_file(tmp_path: Path) -> None:
-    """As reports of a program that runs several scenes at a time: threads took each other's unfinished file away."""
+    """A program that runs several scenes at a time writes reports in several threads. They removed each other's unfinished files."""
     path, contents = tmp_path / "report.json", [bytes([65 + k]) * 100_000 for k in range(4)]
     with ThreadPoolExecutor(len(contents)) as pool:
         for written in [pool.submit(write_whole_file, path, content) for _ in range(50) for content in contents]:

@@ -1,4 +1,4 @@
-"""Every field of the files says what it means and in which unit."""
+"""Every field of the files states its meaning and its unit."""
 
 from dataclasses import fields
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Damaged files are read or refused in words, and what once was neither is kept here by name."""
+"""Damaged files are read, or refused with a message. Inputs that once had another outcome are kept here by name."""
 
 import os
 import random
@@ -16,7 +16,7 @@ from la_core.errors import SceneError
 from la_core.scene.scene import scene_of_text
 from la_core.scene.shipped import find
 
-FEW, COUNT = 60, 200  # inputs for each reader, in every run and in all; `python tests/benchmarks/fuzz_readers.py --count 10000` takes more
+FEW, COUNT = 60, 200  # inputs for each reader, in quick runs and in all; `python tests/benchmarks/fuzz_readers.py --count 10000` takes more
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def test_every_reader_is_tried(readers: dict[str, Reader]) -> None:
 def test_a_damaged_file_is_read_or_refused_in_words(numbers: range, name: str, readers: dict[str, Reader]) -> None:
     found = Counter(outcome for _, outcome in fuzz_readers.outcomes(readers[name], numbers))
     assert set(found) <= {READ, REFUSED}, found
-    assert found[REFUSED] > len(numbers) / 4  # the damage is one
+    assert found[REFUSED] > len(numbers) / 4  # the damage is real
 
 
 def _refused() -> None:
@@ -60,7 +60,7 @@ DEEDS: tuple[tuple[Callable[[], object], str], ...] = (
 
 
 def test_what_dies_or_takes_too_long_is_counted_and_the_next_input_follows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The tool sees what it looks for."""
+    """The tool detects every outcome that it looks for."""
     monkeypatch.setattr(fuzz_readers, "SECONDS", 0.2)
     deeds = {random.Random(f"bad {number}").random(): deed for number, (deed, _) in enumerate(DEEDS)}
     reader = Reader("bad", "", lambda chance: deeds[chance.random()]() and None)

@@ -1,4 +1,4 @@
-"""Joints that are drawn as lines divide outlines, curves meet the stones on both their sides, and what divides nothing is told."""
+"""Joints drawn as lines divide outlines, curves bound the stones on both their sides, and lines that divide nothing are reported."""
 
 import io
 import itertools
@@ -123,7 +123,7 @@ def test_of_an_outline_and_its_bevel_the_outline_is_the_block(order: int, tmp_pa
 
 @pytest.mark.parametrize("jitter", [0.0, 1.0, 2.0, 3.0])
 def test_edges_that_are_drawn_again_as_lines_change_nothing(jitter: float, tmp_path: Path) -> None:
-    """Bricks as surveyed, each corner off by up to `jitter` (mm), and the bed joints again as lines through the whole wall."""
+    """Surveyed bricks, each corner off by up to `jitter` (mm), and the bed joints drawn again as lines through the whole wall."""
     random = np.random.default_rng(1)
 
     def draw(space: Any) -> None:
@@ -143,7 +143,7 @@ NINE = [(x, z) for z in (0, 250, 500) for x in (0, 500, 1000)]
 @pytest.mark.parametrize("missing", [(500, 250), (1000, 250), (0, 500)])
 @pytest.mark.parametrize("jitter", [0.0, 1.0])
 def test_a_stone_of_lines_between_closed_ones_is_a_block(jitter: float, missing: tuple[int, int], tmp_path: Path) -> None:
-    """In the middle, at the end or at the top of a wall: each of its lines, or all but one or two, run along neighbours."""
+    """The stone is in the middle, at the end or at the top of a wall. All of its lines, or all but one or two, run along neighbours."""
     random = np.random.default_rng(1)
 
     def draw(space: Any) -> None:
@@ -230,7 +230,7 @@ def test_a_ring_of_circles_and_radial_lines_has_all_its_voussoirs_and_what_lies_
 
 
 def test_two_rings_of_other_stones_share_the_chords_of_the_curve_between_them(tmp_path: Path) -> None:
-    """Nine stones within thirteen, each a closed outline with arcs: drawn exactly, they leave no gap and do not overlap."""
+    """A ring of nine stones within one of thirteen, each a closed outline with arcs. Drawn exactly, they leave no gap and no overlap."""
 
     def draw(space: Any) -> None:
         for count, low, high in ((9, 2000.0, 2300.0), (13, 2300.0, 2600.0)):
@@ -253,7 +253,7 @@ def _pairs(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     return interfaces.block_a, interfaces.block_b
 
 
-# --- what is not read --------------------------------------------------------------------------------------------------------
+# --- entities that are not read ----------------------------------------------------------------------------------------------
 
 
 def test_meshes_are_counted_and_the_rest_is_read(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Layers and colours of a drawing as groups of blocks: for friction, loads, densities and zones, by both methods."""
+"""Layers and colours of a drawing choose blocks for friction, loads, densities and zones, in both methods."""
 
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ BRICK_WEIGHT = 2.0 * 0.2 * DEPTH * DENSITY * 9.81  # N
 
 
 def stack(folder: Path, drawing: dict[str, Any] | None = None, **tables: Any) -> Scene:
-    """The stack, drawn as SVG, pushed along x unless the tables have a settlement."""
+    """The stack, drawn as SVG. It is pushed along x unless the tables have a settlement."""
     drawn = "".join(
         f'<g id="{layer}"><path fill="{fill}" d="M {" L ".join(f"{x},{-z}" for x, z in corners)} Z"/></g>'
         for layer, (fill, corners) in STACK.items()

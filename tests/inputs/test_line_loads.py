@@ -1,4 +1,4 @@
-"""Loads along a line in plan: a line on an edge, a ridge or a joint is decided by the structure, and not by round-off of its angle."""
+"""Loads along a line in plan: a line on an edge, a ridge or a joint is treated alike at every angle, in spite of round-off."""
 
 import math
 from pathlib import Path
@@ -17,7 +17,7 @@ LOAD = 10_000.0  # N/m
 
 
 def turned(angle: float, u: float, v: float) -> list[float]:
-    """A point of a wall's own plan, which is turned about the origin by an angle in degrees."""
+    """A point (u, v) of a wall's plan, turned about the origin by an angle in degrees."""
     cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
     return [cosine * u - sine * v, sine * u + cosine * v]
 
@@ -38,19 +38,19 @@ def built(tables: dict[str, Any]) -> Scene:
 
 
 def carried(scene: Scene) -> float:
-    """Length of the line that blocks carry, m."""
+    """Length (m) or area (m2) of the load that blocks carry."""
     return float(-scene.loads.force[:, 2].sum() / LOAD)
 
 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_a_line_along_a_joint_is_refused_at_every_angle(angle: float) -> None:
-    """It was on one block, on the other one or on both, as round-off had it."""
+    """Round-off decided whether the line lay on one block, on the other or on both."""
     with pytest.raises(SceneError, match="the line runs along a joint between two of them, so that the load would count twice"):
         loaded_wall(angle, ((0.6, 0.0), (0.6, 0.4)))
 
 
 def course(place: tuple[float, float], angle: float, count: int, size: float, load: dict[str, Any]) -> Scene:
-    """A course of `count` blocks of 1.5 x 1 x 0.75 `size` (m) from a place on, turned in plan by an angle in degrees, with a load on it."""
+    """A loaded course of `count` blocks of 1.5 x 1 x 0.75 `size` (m). It starts at a place and is turned in plan by an angle in degrees."""
     wall = {
         "bond": "stack", "origin": [*place, 0.0], "block": [1.5 * size, size, 0.75 * size], "per_course": count, "courses": 1,
         "angle": angle, "footing": {"height": size, "settling": [0.0, 1.5 * size]},
@@ -71,7 +71,7 @@ FAR = {
 @pytest.mark.parametrize(("place", "size"), FAR.values(), ids=FAR)
 @pytest.mark.parametrize("angle", [0.0, 30.0, 123.4])
 def test_a_load_does_not_depend_on_the_origin_or_on_the_unit(angle: float, place: tuple[float, float], size: float) -> None:
-    """Neighbours were said to lie above each other, for a length of round-off that grew with the distance from the origin."""
+    """Neighbours were reported to lie above each other, because the length of round-off grew with the distance from the origin."""
     count, along = 12, 12 * 1.5 * size
     start, end = ((np.array(place) + turned(angle, u, 0.5 * size)).tolist() for u in (0.0, along))
     on_line = course(place, angle, count, size, {"per": "m", "from": start, "to": end, "force": [0.0, 0.0, -LOAD]})
@@ -92,7 +92,7 @@ def test_a_line_along_a_joint_is_refused_wherever_the_origin_is(angle: float, pl
 
 
 def test_a_line_over_very_many_joints_counts_once() -> None:
-    """Each joint adds the length of round-off: 700 of them were said to be a load that counts twice."""
+    """Each joint adds a length of round-off. With 700 joints, the load was reported to count twice."""
     scene = course((0.0, 0.0), 0.0, 700, 0.1, {"per": "m", "from": [0.0, 0.05], "to": [105.0, 0.05], "force": [0.0, 0.0, -LOAD]})
     assert carried(scene) == pytest.approx(105.0, rel=1e-5)
 
@@ -122,7 +122,7 @@ def test_a_line_along_a_wall_lies_on_it_up_to_both_its_faces(angle: float, acros
 
 @pytest.mark.parametrize("angle", ANGLES)
 def test_a_line_along_a_ridge_counts_once(angle: float) -> None:
-    """The two slopes of a roof-shaped stone meet in the ridge. It was refused."""
+    """The two slopes of a roof-shaped stone meet in the ridge. A line along the ridge was refused."""
     corners = [(u, v, 0.0) for u in (0.0, 1.0) for v in (0.0, 0.4)] + [(u, 0.2, 0.3) for u in (0.0, 1.0)]
     stone = {"name": "roof", "polyhedron": {"vertices": [[*turned(angle, u, v), z] for u, v, z in corners]}}
     ground = {"name": "ground", "role": "fixed", "box": {"from": [-2.0, -2.0, -0.2], "to": [2.0, 2.0, 0.0]}}
@@ -134,7 +134,7 @@ def test_a_line_along_a_ridge_counts_once(angle: float) -> None:
 @pytest.mark.parametrize("turn", [0.0, 20.0, 35.0, 70.0])
 @pytest.mark.parametrize("line", [((0.0, 0.4), (1.0, 0.4)), ((0.4, 0.0), (0.4, 1.0))])
 def test_a_line_along_a_cut_within_a_stone_counts_once(turn: float, line: tuple[tuple[float, float], ...], tmp_path: Path) -> None:
-    """A stone with an L as its plan is of two convex parts. One line lies on the cut between them, the other one on an edge of both."""
+    """A stone with an L-shaped plan has two convex parts. One line lies on the cut between them, the other on an edge of both."""
     plan = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.4), (0.4, 0.4), (0.4, 1.0), (0.0, 1.0)]
     ground = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
     text = upright("ground", ground, -0.2, 0.0, 0) + upright("ell", [tuple(turned(turn, *point)) for point in plan], 0.0, 0.3, 4)
@@ -167,14 +167,14 @@ def on_area(blocks: list[dict[str, Any]], loaded: list[str]) -> Scene:
 
 
 def prism(name: str, profile: list[tuple[float, float]]) -> dict[str, Any]:
-    """A stone of 1 m from front to back."""
+    """A stone with this profile, 1 m deep."""
     return {"name": name, "prism": {"profile": [list(corner) for corner in profile], "y": [0.0, 1.0]}}
 
 
 @pytest.mark.parametrize("line", [False, True])
 @pytest.mark.parametrize(("left", "right"), [(0.2, 0.8), (0.8, 0.2), (0.5, 0.5)])
 def test_a_load_lies_on_a_slope_at_its_height(left: float, right: float, line: bool) -> None:
-    """On the face from (0, left) to (1, right): the middle of its plan is at x = 1/2, that of a line up to x = 1/2 at 1/4."""
+    """The face rises or falls from (0, left) to (1, right). Its middle is at x = 1/2; that of a line up to x = 1/2 is at x = 1/4."""
     stone = prism("stone", [(0.0, 0.0), (1.0, 0.0), (1.0, right), (0.0, left)])
     if line:
         ground = {"name": "ground", "role": "fixed", "box": {"from": [-5.0, -5.0, -0.2], "to": [5.0, 5.0, 0.0]}}
@@ -188,7 +188,7 @@ def test_a_load_lies_on_a_slope_at_its_height(left: float, right: float, line: b
 
 @pytest.mark.parametrize(("run", "carried_on"), [(0.05, 1), (0.21, 2), (0.3, 2)])
 def test_a_flank_is_a_top_face_from_a_normal_of_a_tenth_upwards(run: float, carried_on: int) -> None:
-    """The right flank of a trapezium of 1 m height goes out by `run`: its normal rises by run / sqrt(1 + run^2)."""
+    """The right flank of a trapezium of 1 m height projects by `run` (m). The upward part of its normal is run / sqrt(1 + run^2)."""
     stone = prism("stone", [(0.0, 0.0), (1.0 + run, 0.0), (1.0, 1.0), (0.0, 1.0)])
     scene = on_area([stone], ["stone"])
     assert len(scene.loads.block) == carried_on
@@ -197,7 +197,7 @@ def test_a_flank_is_a_top_face_from_a_normal_of_a_tenth_upwards(run: float, carr
 
 @pytest.mark.parametrize(("cover", "area"), [(0.6, 2.0), (0.85, 2.0), (0.95, 1.0)])
 def test_a_face_is_a_joint_where_nine_tenths_of_it_are_covered(cover: float, area: float) -> None:
-    """The slope of a stone, 1 m2 in plan, carries another stone over a part of it; its level face beside it is open."""
+    """Another stone covers a part of the slope of a stone, which is 1 m2 in plan. The level face beside the slope is open."""
     stone = prism("stone", [(0.0, 0.0), (2.0, 0.0), (2.0, 0.5), (1.0, 1.0), (0.0, 1.0)])
     rider = {"name": "rider", "prism": {"profile": [[1.0, 1.0], [2.0, 0.5], [2.0, 1.5], [1.0, 1.5]], "y": [0.0, cover]}}
     scene = on_area([stone, rider], ["stone"])
@@ -211,7 +211,7 @@ def test_a_load_on_the_area_of_a_stone_lies_on_what_is_seen_from_above() -> None
     total = {height: sum(size for place, size in found if place[2] == pytest.approx(height)) for height in (0.2, 0.5, 0.8)}
     assert total == pytest.approx({0.2: -0.4 * LOAD, 0.5: 0.0, 0.8: -LOAD})
     assert [place for place, _ in found if place[2] == pytest.approx(0.2)] == [pytest.approx([1.2, 0.5, 0.2])]
-    assert all(size < 0.0 for _, size in found)  # nothing where nothing is seen
+    assert all(size < 0.0 for _, size in found)  # no load on a face that is hidden from above
 
 
 E_STONE = [
@@ -222,14 +222,14 @@ E_STONE = [
 
 @pytest.mark.parametrize(("reach", "area"), [(0.1, 1.4), (0.2, 1.4), (0.5, 1.4), (0.85, 1.4), (0.95, 0.4), (1.0, 0.4)])
 def test_a_face_that_is_cut_into_convex_parts_is_one_face(reach: float, area: float) -> None:
-    """The roof of an E lies over its spine, of 0.2 m, and its arm. A cap that covers the one or the other wholly leaves it open."""
+    """The roof of an E is cut into the tops of its spine, 0.2 m, and its arm. A cap over the whole spine alone leaves the roof open."""
     cap = prism("cap", [(0.0, 0.8), (reach, 0.8), (reach, 1.0), (0.0, 1.0)])
     assert carried(on_area([prism("stone", E_STONE), cap], ["stone"])) == pytest.approx(area)
 
 
 @pytest.mark.parametrize("right", [1.0, 0.9, 1.005])
 def test_teeth_of_one_stone_are_faces_of_their_own(right: float) -> None:
-    """Under a cap on the left tooth the gap and the right tooth carry the load, 1 m2 each, whatever the height of the right one."""
+    """Under a cap on the left tooth, the gap and the right tooth carry the load, 1 m2 each, whatever the height of the right tooth."""
     teeth = [(0.0, 0.0), (3.0, 0.0), (3.0, right), (2.0, right), (2.0, 0.5), (1.0, 0.5), (1.0, 1.0), (0.0, 1.0)]
     cap = prism("cap", [(0.0, 1.0), (1.0, 1.0), (1.0, 1.5), (0.0, 1.5)])
     assert carried(on_area([prism("stone", teeth), cap], ["stone"])) == pytest.approx(2.0)
@@ -246,7 +246,7 @@ def test_faces_within_a_stone_carry_nothing(angle: float, place: tuple[float, fl
     for name, profile in profiles.items():
         lines = upright(name, profile, -1.0, 0.0, before).splitlines()
         corners = [tuple(map(float, line.split()[1:])) for line in lines if line.startswith("v ")]
-        plan = [(turned(angle, x, -height), z) for x, z, height in corners]  # it lies down: its height is the depth of the prism
+        plan = [(turned(angle, x, -height), z) for x, z, height in corners]  # the body lies down: the height of the prism is its depth
         placed = [f"v {x + place[0]:.17g} {y + place[1]:.17g} {z:.17g}" for (x, y), z in plan]
         text += "\n".join([lines[0], *placed, *(line for line in lines if line.startswith("f "))]) + "\n"
         before += len(profile)
@@ -260,7 +260,7 @@ def test_faces_within_a_stone_carry_nothing(angle: float, place: tuple[float, fl
 
 @pytest.mark.parametrize("in_the_hollow", [False, True])
 def test_what_lies_under_the_overhang_of_a_stone_does_not_cover_its_open_foot(in_the_hollow: bool) -> None:
-    """A stone like a C with a foot that reaches 0.4 m out of the hollow: the roof of 1 m and these 0.4 m carry the load."""
+    """A C-shaped stone has a foot that reaches 0.4 m out of the hollow. The roof of 1 m and these 0.4 m carry the load."""
     profile = [(0.0, 0.0), (1.4, 0.0), (1.4, 0.2), (0.2, 0.2), (0.2, 0.7), (1.0, 0.7), (1.0, 0.8), (0.0, 0.8)]
     inside = [prism("inside", [(0.2, 0.2), (1.0, 0.2), (1.0, 0.7), (0.2, 0.7)])] if in_the_hollow else []
     assert carried(on_area([prism("stone", profile), *inside], ["stone"])) == pytest.approx(1.4)
@@ -269,7 +269,7 @@ def test_what_lies_under_the_overhang_of_a_stone_does_not_cover_its_open_foot(in
 
 
 def test_a_flank_carries_what_a_joint_above_it_does_not_where_it_is_open() -> None:
-    """A stone under another loaded one goes out by 0.05 m at its right flank; a stone beside it may cover that flank, too."""
+    """The right flank of the lower stone projects by 0.05 m beyond the loaded stone above. A stone beside it may cover that flank, too."""
     lower = prism("lower", [(0.0, 0.0), (1.05, 0.0), (1.0, 1.0), (0.0, 1.0)])
     upper = prism("upper", [(0.0, 1.0), (1.0, 1.0), (1.0, 1.5), (0.0, 1.5)])
     beside = prism("beside", [(1.05, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)])
@@ -284,6 +284,6 @@ def test_the_farthest_end_so_far_is_that_of_the_longest_stretch_of_a_group() -> 
 
 
 def test_joints_that_a_line_crosses_add_nothing_to_it() -> None:
-    """Each joint made the load heavier by 2e-9 of the line: a thousand blocks by 2e-6, more than a solver leaves."""
+    """Each joint added 2e-9 of the line to the load. A thousand blocks added 2e-6, more than the residual of a solver."""
     load = {"per": "m", "from": [0.0, 0.5], "to": [300.0, 0.5], "force": [0.0, 0.0, -LOAD]}
     assert carried(course((0.0, 0.0), 0.0, 200, 1.0, load)) == pytest.approx(300.0, rel=1e-8)

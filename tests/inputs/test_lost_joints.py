@@ -1,4 +1,4 @@
-"""Joints beside those that a repair closes: a cut of an overlap leaves them whole, and one that stays a little too far open is named."""
+"""Joints beside those that a repair closes stay whole when an overlap is cut, and a joint that stays slightly too far open is named."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from la_core.repair.unclosed import unclosed
 
 
 def test_a_gap_a_little_wider_than_the_tolerance_closes_is_named() -> None:
-    """A lintel lies on two stones, and the lower one beside them is 11 mm or 16 mm too low: without a word it carried nothing."""
+    """A lintel lies on two stones. A third stone beside them is 11 mm or 16 mm too low. It carried nothing, and no warning said so."""
     parts = [*scenes.base(0.7, 1.5, 1.0), *(scenes.box(f"{k}", (0.5 * k, 0.0, 0.0), (0.5 * k + 0.5, 1.0, 0.5)) for k in (0, 1))]
     for gap, named in ((0.011, [{"low", "lintel"}]), (0.016, [])):
         low, lintel = scenes.box("low", (1.0, 0.0, 0.0), (1.5, 1.0, 0.5 - gap)), scenes.box("lintel", (0.0, 0.0, 0.5), (1.5, 1.0, 0.8))
@@ -35,7 +35,7 @@ def test_a_cut_of_an_overlap_leaves_the_joint_beside_it_whole() -> None:
 @pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0)])
 @pytest.mark.parametrize(("width", "count"), [(0.008, 0), (0.012, 1)])
 def test_what_stays_open_is_named_by_its_width_in_every_direction(width: float, count: int, order: tuple[int, int, int]) -> None:
-    """Its length counted along x and z alone: a strip along x that no joint would be was named, one along y was not."""
+    """The length was measured along x and z alone. A strip along x too narrow for a joint was named, and a strip along y was not."""
     ends = [((0.0, 0.0, 0.0), (2.0, width, 0.5)), ((0.0, 0.0, 0.504), (2.0, width, 1.0))]
     shapes = [box(*(np.array(corner)[list(order)].tolist() for corner in both)) for both in ends]
     parts = Blocks.gather(["a", "b"], ["fixed"] * 2, [1.0] * 2, shapes)

@@ -1,4 +1,4 @@
-"""No stone of a drawing is lost by short lines, by coordinates that are right to the tolerance, or without a word."""
+"""No stone of a drawing is lost by short lines or by coordinate errors within the tolerance, and every other loss is reported."""
 
 import io
 import itertools
@@ -63,7 +63,7 @@ STONES = [(0, 1, 4, 3), (1, 2, 6, 5, 4), (3, 4, 8, 7), (4, 5, 6, 9, 8)]
 @pytest.mark.parametrize("joined", [False, True])
 @pytest.mark.parametrize("seed", range(6))
 def test_ends_that_are_each_right_to_the_tolerance_meet(seed: int, joined: bool, tmp_path: Path) -> None:
-    """Four stones of lines, or of polylines of two edges each; every point is off by the tolerance in a direction of its own."""
+    """Four stones are drawn by lines or by longer polylines. Every end is off by the tolerance, each in its own direction."""
     tolerance, rng = 0.01, np.random.default_rng(seed)
 
     def off(k: int) -> tuple[float, float]:
@@ -82,7 +82,7 @@ def test_ends_that_are_each_right_to_the_tolerance_meet(seed: int, joined: bool,
 
 
 def test_outlines_drawn_freehand_that_nearly_close_are_closed_and_open_joints_stay_open(tmp_path: Path) -> None:
-    """Two stones of points 3 mm apart, and bricks of four lines each, both in joints of 8 mm, with a tolerance of 5 mm."""
+    """Three stones are drawn freehand with points 3 mm apart, or by four lines each. Their joints are 8 mm wide, the tolerance is 5 mm."""
 
     def edge(x0: float, z0: float, x1: float, z1: float) -> list[tuple[float, float]]:
         return list(shapely.segmentize(shapely.LinearRing([(x0, z0), (x1, z0), (x1, z1), (x0, z1)]), 0.003).coords)[:-1]
@@ -97,7 +97,7 @@ def test_outlines_drawn_freehand_that_nearly_close_are_closed_and_open_joints_st
 
 
 def test_a_chamfer_is_no_curve_and_moves_nothing(tmp_path: Path) -> None:
-    """The block's lower corner is worn by 4 mm; the base's far corner is cut. The block turns about its contact's end, at x = 0.5."""
+    """A lower corner of the block is worn by 4 mm, and a corner of the base is cut. The block turns about the joint's end at x = 0.5."""
     block = polygon((0.5, 1), (1, 1), (1, 2.5), (0.46, 2.5), (0.46, 1.004))
     base = f'<g id="ground">{polygon((0, 0), (1, 0), (1, 1), (0.4, 1), (0, 0.8))}</g>'
     scene = scene_of(tmp_path, block, ground=base)
@@ -164,7 +164,7 @@ def test_a_joint_that_stops_within_a_block_is_told_although_it_divides_others(st
     assert len(told(scene)) == lines and all("1 line" in words and "lies within a block" in words for words in told(scene))
 
 
-JOINTS = {  # of three stones on the box below them: bed joints, and head joints
+JOINTS = {  # bed and head joints of three stones on the boxes below them
     "bed": line((0, 2), (3, 2)) + line((0, 3), (3, 3)),
     "head": "".join(line((x, 1), (x, 2)) for x in (0, 1.5, 3)) + line((0, 2), (0, 3)) + line((3, 2), (3, 3)),
 }
@@ -199,7 +199,7 @@ def test_stones_between_lines_of_two_layers_are_told(layers: str, whose: str, tm
 @pytest.mark.parametrize(
     ("layers", "keys"),
     [
-        (on_layers(j=JOINTS["bed"] + JOINTS["head"]), ""),  # they are stones
+        (on_layers(j=JOINTS["bed"] + JOINTS["head"]), ""),  # these lines enclose stones
         (on_layers(**JOINTS), 'ignore = ["head"]\n'),
         (on_layers(**JOINTS), 'blocks = ["b"]\n'),
         (on_layers(**JOINTS, void=box(0, 1, 3, 3)), 'openings = ["void"]\n'),
@@ -221,7 +221,7 @@ def outline_of(document: ezdxf.document.Drawing) -> shapely.Polygon:
 
 
 def test_the_frame_of_a_smoothed_polyline_is_no_part_of_it() -> None:
-    """Vertices with flag 16 guide the curve, and those with flag 8 lie on it: CAD programs show the square of the latter alone."""
+    """Vertices with flag 16 guide the curve; vertices with flag 8 lie on it. CAD programs show only the square of the latter."""
     document = ezdxf.new("R2000")
     frame, curve = [(-1, -1), (3, -1), (3, 3), (-1, 3)], [(0, 0), (2, 0), (2, 2), (0, 2)]
     drawn = document.modelspace().add_polyline2d([*frame, *curve], close=True)
@@ -234,7 +234,7 @@ def test_the_frame_of_a_smoothed_polyline_is_no_part_of_it() -> None:
 @pytest.mark.parametrize("weighted", [False, True])
 @pytest.mark.parametrize("degree", [1, 2, 3, 5])
 def test_a_spline_with_corners_keeps_them(degree: int, weighted: bool) -> None:
-    """A stone whose sides are spans of one spline, in a block that is stretched. A smooth curve through some of its points was read."""
+    """The sides of a stone are spans of one spline, in a stretched block. The reader took a smooth curve through some of its points."""
     corners = np.array([(0, 0), (500, 0), (400, 300), (100, 300), (0, 0)], dtype=float)
     document = ezdxf.new(units=4)
     spline = document.blocks.new("STONE").add_spline(degree=degree)
@@ -253,7 +253,7 @@ def test_a_spline_with_corners_keeps_them(degree: int, weighted: bool) -> None:
 @pytest.mark.parametrize("weights", [[], [1.0] * 7])
 @pytest.mark.parametrize("shift", [-3.0, 0.0, 5.0])
 def test_a_closed_spline_without_a_beginning_is_its_curve(shift: float, weights: list[float]) -> None:
-    """A uniform cubic spline about a square: over each span, x and z are (1/6, 2/3, 1/6, 0) of four corners at its start."""
+    """A uniform cubic spline about a square. Each span starts at the mean of four corners with the weights (1/6, 2/3, 1/6, 0)."""
     document, square = ezdxf.new("R2000"), np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
     spline = document.modelspace().add_spline(degree=3)
     corners = np.concatenate([square, square[:3]])
@@ -271,7 +271,7 @@ def test_a_closed_spline_without_a_beginning_is_its_curve(shift: float, weights:
 @pytest.mark.parametrize(("overrun", "tolerance"), [(1e-7, 0.0), (5e-5, 0.0), (0.002, 0.005)])
 @pytest.mark.parametrize("side", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
 def test_a_closed_outline_may_overrun_its_start(side: tuple[int, int], overrun: float, tolerance: float, tmp_path: Path) -> None:
-    """Programs write the last corner of a closed path again, rounded, and then close it: such an outline may cross itself by a hair."""
+    """Programs repeat the first corner of a closed path, rounded, before they close it. Such an outline may cross itself by a hair."""
     corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
     points = -np.array([*corners, (overrun * side[0], overrun * side[1])])
     drawing = f'<svg viewBox="-2 -2 4 4"><polygon points="{" ".join(f"{x:.9f},{z:.9f}" for x, z in points)}"/></svg>'

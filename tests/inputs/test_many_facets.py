@@ -1,4 +1,4 @@
-"""Polyhedra with many narrow facets, and with corners that lie on a face but for round-off, have their own volume and joints."""
+"""Polyhedra with many narrow facets, or with corners that lie on a face within round-off, have the right volume and joints."""
 
 import itertools
 import math
@@ -43,13 +43,13 @@ def volume_of(shape: Shape) -> float:
 
 @pytest.mark.parametrize("name", BODIES)
 def test_each_part_of_a_surface_belongs_to_one_face(name: str) -> None:
-    """Narrow facets were parts of several faces: the cylinder of 144 sides was a tenth too heavy, and the cone had 1.6 times its volume."""
+    """Narrow facets belonged to several faces: the cylinder of 144 sides was a tenth too heavy, and the cone had 1.6 times its volume."""
     hull = scipy.spatial.ConvexHull(np.array(BODIES[name]))
     assert volume_of(polyhedron(BODIES[name])) == pytest.approx(hull.volume, rel=1e-9)
 
 
 def test_a_round_shaft_weighs_what_its_section_says() -> None:
-    """A block on two pads with a shaft of 144 sides over its right half: moments about the inner edge of the left pad."""
+    """A block on two pads carries a shaft of 144 sides on its right half. Moments about the left pad's inner edge give the reaction."""
     shaft = [(x + 0.5, y + 0.25, z + 0.2) for x, y, z in around(144, 0.09, 0.0) + around(144, 0.09, 2.0)]
     scene = scenes.build(
         scenes.box("left", (-0.1, 0.0, -0.2), (0.1, 0.5, 0.0), "fixed"),
@@ -72,7 +72,7 @@ NICKS = [
 
 @pytest.mark.parametrize("nick", NICKS)
 def test_a_corner_within_a_face_by_round_off_cuts_no_joint_away(nick: tuple[float, float, float]) -> None:
-    """A cube on three slabs, and one more corner near a corner of its underside."""
+    """A cube on three slabs has an additional corner just below its underside, near a corner or an edge."""
     scene = scenes.build(
         scenes.box("long", (0.0, 0.0, -0.2), (0.45, 1.0, 0.0), "fixed"),
         scenes.box("short", (0.55, 0.55, -0.2), (1.0, 1.0, 0.0), "fixed"),
@@ -82,7 +82,7 @@ def test_a_corner_within_a_face_by_round_off_cuts_no_joint_away(nick: tuple[floa
     analysis = analyse(scene)
     assert sorted(analysis.whole.interfaces.area) == pytest.approx([0.45 * 0.45, 0.45 * 0.5, 0.45], rel=1e-4)
     values = [analysis.sharp.bounds[drive].value / scene.weight for drive in (Drive.YIELDING, Drive.PUSHING)]
-    assert values == pytest.approx([0.0, 1.0 / 1.1], abs=2e-5)  # at most half the weight lies on the middle of 0.55
+    assert values == pytest.approx([0.0, 1.0 / 1.1], abs=2e-5)  # the pad's corner at 0.55 m carries at most W 0.5 / 0.55
 
 
 @pytest.mark.parametrize(("digits", "seed"), [(6, 26), (6, 36), (7, 37)])

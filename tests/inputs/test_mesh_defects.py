@@ -39,7 +39,7 @@ from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.generators import mesh, mesh_surface
 from la_core.scene.scene import load_scene
 
-DAMAGES = 20  # a format
+DAMAGES = 20  # for each format
 CUBE = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 FLIPPED = (BOX_FACES[0][::-1], *BOX_FACES[1:])
 
@@ -55,7 +55,7 @@ def pyramid_dent(depth: float) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
 
 
 def folded_roof(rise: float = 0.2) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
-    """A cube with two corners of its top raised and the diagonal that makes a valley below the ridge's planes."""
+    """A cube with two opposite corners of its top raised. The diagonal between the other two corners is a valley."""
     vertices = CUBE.copy()
     vertices[[5, 7], 2] += rise
     return vertices, (BOX_FACES[0], (4, 5, 6), (4, 6, 7), *(t for a, b, c, d in BOX_FACES[2:] for t in ((a, b, c), (a, c, d))))
@@ -91,7 +91,7 @@ def test_a_defect_is_named_with_file_and_body(body: tuple[Corners, Sequence[Sequ
 
 
 def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
-    """Every corner is within the tolerance of a cube's surface, but the walls, 1/20,000 thick, hold no more than they are."""
+    """Every corner lies within the tolerance of a cube's surface, but the body consists of walls alone, 1/20,000 thick."""
     thin = 5e-5
     inner = corners((thin, thin, thin), (1.0 - thin, 1.0 - thin, 1.0))
     sides = [face for face in BOX_FACES if face != BOX_FACES[1]]
@@ -102,7 +102,7 @@ def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
 
 
 def quoin(middle: bool) -> tuple[Corners, list[tuple[int, ...]]]:
-    """A prism of an L, 0.5 deep; in the middle of its depth, its sides may be divided."""
+    """A prism with an L-shaped profile, 0.5 deep. Its sides may be divided at y = 0.2."""
     profile = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.4], [0.3, 0.4], [0.3, 1.0], [0.0, 1.0]])
     rows = [0.0, 0.2, 0.5] if middle else [0.0, 0.5]
     vertices = np.array([[x, y, z] for y in rows for x, z in profile])
@@ -128,7 +128,7 @@ def test_a_prism_with_dents_is_the_block_that_its_profile_makes(middle: bool, de
 
 @pytest.mark.parametrize("middle", [False, True])
 def test_a_prism_with_dents_whose_coordinates_have_three_digits_is_read_within_the_tolerance(middle: bool) -> None:
-    """Turned, its ends are not plane to more than a millimetre."""
+    """After the rounding, the ends of the turned prism are plane only to about a millimetre."""
     vertices, faces = quoin(middle)
     for seed in range(10):
         rounded = np.round(vertices @ Rotation.random(random_state=seed).as_matrix().T, 3)
@@ -137,7 +137,7 @@ def test_a_prism_with_dents_whose_coordinates_have_three_digits_is_read_within_t
 
 
 def test_a_prism_of_a_profile_with_very_many_corners_is_refused_before_it_is_divided() -> None:
-    """The teeth of a saw: 500 corners took three minutes."""
+    """The profile has the teeth of a saw. The division of 500 corners took three minutes."""
     n = 102
     along = np.linspace(0.0, 1.0, n - 2)
     profile = [*zip(along, 0.5 + 0.1 * (np.arange(n - 2) % 2), strict=True), (1.0, 0.0), (0.0, 0.0)][::-1]
@@ -149,7 +149,7 @@ def test_a_prism_of_a_profile_with_very_many_corners_is_refused_before_it_is_div
 
 
 def test_a_body_of_many_corners_is_refused_without_a_search_in_each_of_its_planes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A ball of 300 corners with a dent: an outline was sought in each of 600 planes; a body of 1000 corners took 15 s."""
+    """A ball of 300 corners has a dent. An outline was sought in each of its 600 planes; a body of 1000 corners took 15 s."""
     points = np.random.default_rng(0).normal(size=(300, 3))
     points /= np.linalg.norm(points, axis=1)[:, None]
     hull = ConvexHull(points)
@@ -164,7 +164,7 @@ def test_a_body_of_many_corners_is_refused_without_a_search_in_each_of_its_plane
 
 
 def test_a_prism_with_a_hole_is_refused() -> None:
-    """A frame: the ends are squares around a square."""
+    """The body is a frame: its ends are squares with a square hole."""
     outer, inner = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), corners((0.2, 0.2, 0.0), (0.8, 0.8, 1.0))
     ring = [(k, (k + 1) % 4, (k + 1) % 4 + 8, k + 8) for k in range(4)]
     sides = list(BOX_FACES[2:])
@@ -185,7 +185,7 @@ def test_a_dent_within_the_tolerance_is_filled(body: tuple[Corners, tuple[tuple[
 
 
 def test_the_number_of_bodies_whose_dents_are_filled_is_told(tmp_path: Path) -> None:
-    """Their volume grows, and it was said that nothing had to be moved."""
+    """The volume of these bodies grows, but the report said that nothing had to be moved."""
     vertices, faces = pyramid_dent(0.002)
     stones = {"dented": vertices, "upper": vertices + np.array([0.0, 0.0, 1.0])}
     path = written(tmp_path, "dented.obj", obj(stones, faces), fixed=["dented"], support=["upper"], shift=[0.0, 0.0, -2.0])
@@ -212,7 +212,7 @@ def test_a_new_scene_is_written_for_bodies_with_dents_deeper_than_its_tolerance(
 
 
 def test_a_new_scene_is_written_for_bodies_in_millimetres_whose_dents_are_small(tmp_path: Path) -> None:
-    """Half a millimetre was taken for half a metre, before the unit was known."""
+    """A dent of half a millimetre was taken for half a metre, before the unit was known."""
     cube, faces = pyramid_dent(0.0005)
     (tmp_path / "mm.obj").write_text(obj({"stone": 1000.0 * cube}, faces))
     scene = tmp_path / "mm.toml"
@@ -221,7 +221,7 @@ def test_a_new_scene_is_written_for_bodies_in_millimetres_whose_dents_are_small(
 
 
 def test_an_inverted_body_is_the_same_body() -> None:
-    """All faces turned inwards is a matter of convention, not a defect."""
+    """A body with all faces turned inwards follows another convention and has no defect."""
     inward = shape_of(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
     outward = shape_of(mesh_surface.surface("b", CUBE, BOX_FACES))
     assert inward.faces == outward.faces
@@ -339,7 +339,7 @@ def test_a_missing_reader_is_named_with_the_extra_and_the_command(tmp_path: Path
     path = as_stl_folder(tmp_path)
     monkeypatch.setattr(mesh.importlib.util, "find_spec", lambda name: None)
     assert f'install the extra "mesh": {shlex.quote(sys.executable)} -m pip install trimesh' in refusal(path)
-    (tmp_path / "pipx_metadata.json").touch()  # pipx keeps it in the environment of a program, which has no pip of its own
+    (tmp_path / "pipx_metadata.json").touch()  # the file of pipx in the environment of a program, which has no pip of its own
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     assert 'install the extra "mesh": pipx inject crosscheck-masonry trimesh' in refusal(path)
 
@@ -394,7 +394,7 @@ def test_a_ball_is_no_block(tmp_path: Path) -> None:
 
 
 def test_an_element_with_a_frame_of_its_own_is_refused(tmp_path: Path) -> None:
-    """Its frame was passed over without a word, so that the element stood elsewhere."""
+    """The frame was ignored without a message, so the element stood in another place."""
     model = json.loads(compas_model(wall()))
     for element in model["data"]["elements"].values():
         element["data"]["frame"] = {"dtype": "compas.geometry/Frame", "data": {"point": [0, 0, 0], "xaxis": [1, 0, 0], "yaxis": [0, 1, 0]}}
@@ -405,7 +405,7 @@ def test_an_element_with_a_frame_of_its_own_is_refused(tmp_path: Path) -> None:
 
 
 def test_meshes_of_a_list_that_are_marked_as_supports_are_held(tmp_path: Path) -> None:
-    """Templates of compas_dem mark their meshes so; such meshes were free."""
+    """Templates of compas_dem mark supports in this way. Such meshes were free blocks."""
     meshes = json.loads(compas_meshes(wall()))
     for item, (_, role) in zip(meshes, wall().values(), strict=True):
         mesh = item[0] if isinstance(item, list) else item
@@ -415,7 +415,7 @@ def test_meshes_of_a_list_that_are_marked_as_supports_are_held(tmp_path: Path) -
 
 
 def test_a_body_with_no_face_but_one_without_corners_is_refused(tmp_path: Path) -> None:
-    """It was a traceback."""
+    """Such a file caused a traceback."""
     meshes = json.loads(compas_meshes(wall()))
     meshes[0]["data"]["face"] = {"0": []}
     assert "is empty: it has no faces" in refusal(written(tmp_path, "wall.json", json.dumps(meshes)))

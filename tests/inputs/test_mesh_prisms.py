@@ -1,4 +1,4 @@
-"""Prisms of a profile with dents in mesh files: the outline of their ends, by any format and any division into triangles."""
+"""Prisms of a profile with dents keep the outline of their ends in mesh files of any format and with any division into triangles."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,7 +28,7 @@ PADS = "\n".join(
 
 
 def body(profile: Profile, ends: Sequence[Sequence[int]] | None = None) -> tuple[np.ndarray, Faces]:
-    """A prism along y: its profile, counter-clockwise, at y = 0 and at DEPTH; faces of the first end, by default one."""
+    """A prism along y with its profile, counter-clockwise, at y = 0 and at DEPTH. `ends`: faces of the first end, by default one face."""
     n = len(profile)
     vertices = np.array([[x, y, z] for y in (0.0, DEPTH) for x, z in profile])
     front = [tuple(face) for face in ends or [range(n)]]
@@ -37,7 +37,7 @@ def body(profile: Profile, ends: Sequence[Sequence[int]] | None = None) -> tuple
 
 
 def in_triangles(faces: Faces) -> Faces:
-    """The faces with those of four corners, the sides, as two triangles each."""
+    """The faces, with each face of four corners (a side) divided into two triangles."""
     return [triangle for face in faces for triangle in ([face] if len(face) == 3 else [face[:3], (face[0], *face[2:])])]
 
 
@@ -55,8 +55,8 @@ def volume(vertices: np.ndarray, faces: Faces) -> float:
 @pytest.mark.parametrize("first", range(len(LEGS)))
 @pytest.mark.parametrize("indices", ["vertex_indices", "vertex_index"])
 def test_faces_of_a_ply_keep_their_outline(indices: str, first: int, tmp_path: Path) -> None:
-    """Of two legs, the right one settles: the stone turns about the inner edge of the left leg, so that the weight W at x = 0.5 has
-    R (1 - 0.4) = W (0.5 - 0.4). Triangles about the first corner of an end lay in the opening, and gave 0.169 W."""
+    """The right leg settles, and the stone turns about the inner edge of the left leg. For the weight W at x = 0.5, R (1 - 0.4) =
+    W (0.5 - 0.4). Triangles about the first corner of an end lay in the opening, and gave 0.169 W."""
     vertices, faces = body(LEGS[first:] + LEGS[:first])
     scene = load_scene(on_pads(tmp_path, "legs.ply", ply(vertices, faces, indices)))
     assert scene.blocks.volume[scene.blocks.names.index("legs")] == pytest.approx(LEGS_VOLUME)
@@ -66,7 +66,7 @@ def test_faces_of_a_ply_keep_their_outline(indices: str, first: int, tmp_path: P
 
 @pytest.mark.parametrize("write", [ply, lambda vertices, faces: obj({"legs": vertices}, faces)], ids=["PLY", "OBJ"])
 def test_two_faces_may_share_three_corners_of_a_line(write: Callable[[np.ndarray, Faces], str]) -> None:
-    """A corner in the middle of the upper edges. Triangles about the corner before it ran along one edge four times."""
+    """Each upper edge has a corner in its middle. The triangles about the preceding corner used one edge four times."""
     profile = (*LEGS[:7], (0.5, 0.5), LEGS[7])
     vertices, faces = body(profile[6:] + profile[:6])  # (1, 0.5), (0.5, 0.5), (0, 0.5) come first
     n = len(profile)
@@ -98,7 +98,7 @@ def test_triangles_of_a_binary_ply_are_read() -> None:
 @pytest.mark.parametrize("order", ["big", "little"])
 @pytest.mark.parametrize("colour", [False, True])
 def test_faces_of_a_binary_ply_have_any_numbers_of_corners(order: str, colour: bool) -> None:
-    """As programs for drawing in space write a prism: its ends of eight corners, its sides of four. It was refused as not whole."""
+    """3D drawing programs write a prism with ends of eight corners and sides of four. Such a file was refused as not whole."""
     vertices, faces = body(LEGS)
     read = surfaces(".ply", binary_ply(vertices, faces, order=order, colour=colour), "legs")[0]
     assert read.faces == tuple(faces)
@@ -119,7 +119,7 @@ def test_a_ply_may_begin_with_a_comment() -> None:
 
 @pytest.mark.parametrize("segments", [6, 10, 20, 30])
 def test_a_triangulated_stone_over_a_curved_opening_is_read_at_every_angle(segments: int) -> None:
-    """Areas of triangles that were united kept holes, or lost corners, at every second angle."""
+    """The union of the triangles kept holes, or lost corners, at every second angle."""
     low, high, length, rise = 0.289, 0.83, 1.13, 0.471
     angle = np.linspace(np.pi, 0.0, segments + 1)[1:-1]
     middle, radius = 0.5 * (low + high), 0.5 * (high - low)
@@ -137,14 +137,14 @@ def test_a_triangulated_stone_over_a_curved_opening_is_read_at_every_angle(segme
 
 
 def test_triangles_without_area_in_the_ends_of_a_stone_change_nothing() -> None:
-    """A corner in the middle of the upper edge: a triangle without area joins it to the ends of the edge."""
+    """The upper edge has a corner in its middle. A triangle without area joins this corner to the ends of the edge."""
     profile = (*LEGS[:7], (0.5, 0.5), LEGS[7])
     vertices, faces = body(profile, [(0, 1, 2), (0, 2, 8), (2, 6, 8), (2, 3, 6), (3, 5, 6), (3, 4, 5), (6, 7, 8)])
     assert volume(vertices, in_triangles(faces)) == pytest.approx(LEGS_VOLUME)
 
 
 def test_triangles_that_lie_outside_of_a_face_with_dents_keep_its_outline() -> None:
-    """As programs write an STL file that divide every face about its first corner."""
+    """Some programs write STL files in which every face is divided about its first corner."""
     n = len(LEGS)
     vertices, faces = body(LEGS, [(0, k, k + 1) for k in range(1, n - 1)])
     read = surfaces(".stl", stl(vertices, in_triangles(faces)), "legs")[0]
@@ -153,7 +153,7 @@ def test_triangles_that_lie_outside_of_a_face_with_dents_keep_its_outline() -> N
 
 @pytest.mark.parametrize("seed", range(5))
 def test_corners_of_a_straight_edge_may_be_bent_inwards_by_single_precision(seed: int) -> None:
-    """A quoin whose bed has corners at its thirds, 30 m from the origin. From a corner that is bent so little, no cut was found."""
+    """The bed of a quoin has corners at its thirds, 30 m from the origin. No cut was found from a corner with so slight a bend."""
     profile = [(0.0, 0.0), (1.0 / 3.0, 0.0), (2.0 / 3.0, 0.0), (1.0, 0.0), (1.0, 0.4), (0.3, 0.4), (0.3, 1.0), (0.0, 1.0), (0.0, 0.5)]
     vertices, faces = body(profile)
     turned = vertices @ Rotation.random(random_state=seed).as_matrix().T + 30.0
@@ -162,7 +162,7 @@ def test_corners_of_a_straight_edge_may_be_bent_inwards_by_single_precision(seed
 
 
 def test_an_end_with_a_corner_beside_its_plane_is_refused() -> None:
-    """The corner in the edge of the left side lies 10 mm behind the end; the triangles about the first corner hide it."""
+    """A corner on the left edge lies 10 mm behind the plane of the end. The triangles about the first corner hide it."""
     profile = (*LEGS, (0.0, 0.2))
     vertices, faces = body(profile)
     vertices[len(LEGS), 1] = 0.01
@@ -171,7 +171,7 @@ def test_an_end_with_a_corner_beside_its_plane_is_refused() -> None:
 
 
 def test_a_body_whose_sides_fill_a_part_of_its_dent_is_no_prism() -> None:
-    """A cube with a rebate of 0.1 x 0.1 along an edge. Sides across a diagonal fill a sixth of it, less than a hundredth of the cube."""
+    """A cube has a rebate of 0.1 x 0.1 along an edge. Sides across a diagonal fill a sixth of the rebate, under a hundredth of the cube."""
     profile = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.9), (0.9, 0.9), (0.9, 1.0), (0.0, 1.0))
     vertices, faces = body(profile)
     vertices = vertices * [1.0, 1.0 / DEPTH, 1.0]
@@ -185,8 +185,8 @@ def test_a_body_whose_sides_fill_a_part_of_its_dent_is_no_prism() -> None:
 @pytest.mark.parametrize("extra", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_a_surveyed_prism_with_dents_is_read(seed: int, extra: bool) -> None:
-    """Every coordinate is off by up to 0.6 of the tolerance. The plane of one triangle left other corners of its end out, and the stone was
-    refused as a body that is no prism. Corners within an edge, off by as much, add nothing to its outline."""
+    """Every coordinate is off by up to 0.6 of the tolerance. The plane of one triangle missed other corners of its end, and the stone was
+    refused as a body that is no prism. Corners within an edge have the same errors and add nothing to the outline."""
     tolerance, random = 0.005, np.random.default_rng(seed)
     profile = [(0.0, 0.0), (0.2, 0.0), *LEGS[1:6], (1.0, 0.25), *LEGS[6:]] if extra else LEGS
     vertices, faces = body(profile)

@@ -1,4 +1,4 @@
-"""Imported bodies: the same structure by any format, and runs that keep their meshes."""
+"""Imported bodies form the same structure in any format, and runs keep their meshes."""
 
 import json
 from collections.abc import Callable
@@ -37,7 +37,7 @@ from la_core.scene.generators.mesh_formats import surfaces
 from la_core.scene.scene import load_scene
 
 EXACT = 1e-6  # of the weight: residuals of a solved answer are below this
-SINGLE = 1e-5  # of the weight: what coordinates in single precision change in lengths of a block
+SINGLE = 1e-5  # of the weight: error of block lengths from coordinates in single precision
 AS_WRITTEN = 1e-9  # m: half a unit of the last digit written, and round-off
 
 
@@ -85,7 +85,7 @@ def test_names_are_read_in_the_encodings_in_which_programs_write_them(encoding: 
 
 
 def test_a_line_in_another_encoding_leaves_the_names_of_all_others_as_they_are() -> None:
-    """A comment, or a name, of an older program in a file that another one has written on in UTF-8."""
+    """A UTF-8 file contains a comment or a name that an older program wrote in another encoding."""
     text = obj({"Stütze links": wall()["pad"][0], "Stütze é": wall()["ground"][0]}).encode()
     for mark in (b"", b"\xef\xbb\xbf"):
         mixed = mark + b"# Gr\xfc\xdfe\n" + text.replace("Stütze é".encode(), "Stütze é".encode("cp1252"))

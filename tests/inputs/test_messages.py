@@ -1,4 +1,4 @@
-"""Messages about a scene file: all errors at once, each with its line and a next step; and what is no scene at all."""
+"""Messages about a scene file give all errors at once, each with its line and a next step. Files that are no scenes are named."""
 
 import shlex
 import tomllib
@@ -270,7 +270,7 @@ def test_a_line_is_that_of_the_key_or_of_the_nearest_table_around_it() -> None:
     "text", [*map(starter_text, starter_names()), *(shipped.find(name).read_text("utf-8") for name in shipped.names())]
 )
 def test_every_key_of_a_scene_has_its_line(text: str) -> None:
-    """The scan finds the places that the standard library's parser finds, and each on a line with the key's name."""
+    """The scan finds the same keys as the parser of the standard library, each on a line with the name of the key."""
 
     def places(value: object, place: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
         inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
@@ -309,7 +309,7 @@ NOT_PLANE = '[effects]\nplane = true\n[[block]]\nname = "b"\nbox = { from = [0, 
 TWICE = '[[block]]\nname = "stone"\nbox = { from = [0, 0, 1], to = [1, 1, 2] }'
 THIN = '[[block]]\nname = "thin"\nbox = { from = [0, 0, 1], to = [1, 1, 1.0000000001] }'
 OVERLAP = 'lines 6 and 14: blocks "left" and "stone": overlap by about 0.01 m; so do "right" and "stone" by 0.01 m'
-FOUND_LATE = {  # what is changed, and the beginning of the message
+FOUND_LATE = {  # changes of the scene, and the beginning of the message
     "overlap": ({"foot": "-0.01"}, OVERLAP),
     "gap": ({"foot": "0.01"}, 'line 14: block "stone": touches nothing'),
     "generated": ({"more": WALL_TOO_LOW}, 'lines 14 and 17: blocks "stone" and "wall 1.1": overlap by about 0.1 m'),

@@ -1,4 +1,4 @@
-"""Joints that are missing for a gap of too few digits are told, and what is told closes them."""
+"""Joints that are missing because coordinates have too few digits are reported, and the reported tolerance closes them."""
 
 import math
 import re
@@ -31,7 +31,7 @@ def arch(slip: float, tolerance: float = 0.0, seed: int = 1) -> Scene:
 
 
 def pads(gap: float, turn: float = 0.0) -> Scene:
-    """A block on a fixed pad, which lies above a settling one by a gap, m; its lower face is turned, rad."""
+    """A block on a fixed pad, a gap (m) above a settling pad. The lower face of the block is turned (rad)."""
     block = [(0.0, 0.0), (1.0, 1.0 * turn), (1.0, 0.5), (0.0, 0.5)]
     return scenes.build(
         scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
@@ -93,7 +93,7 @@ def test_a_gap_is_told_where_other_parts_of_both_blocks_lie_on_one_plane_side_by
 
 @pytest.mark.parametrize("corner", [1e-3, 1e-4, 3e-5, -3e-5])
 def test_a_bent_underside_is_told_until_its_tolerance_closes_it(corner: float) -> None:
-    """One corner of a stone on level ground is off, m: the stone would turn over an edge between two halves of its underside."""
+    """One corner of a stone on level ground is off (m). The stone would turn about an edge between two halves of its underside."""
     slab = {"name": "ground", "role": "fixed", "box": {"from": [-1.0, -1.0, -0.2], "to": [2.0, 2.0, 0.0]}}
     corners = [[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
     corners[6][2] = corner
@@ -105,11 +105,11 @@ def test_a_bent_underside_is_told_until_its_tolerance_closes_it(corner: float) -
         assert told == sorted(set(told)), "a tolerance that left the gap is not told again"
         scene = build(tables | {"geometry": {"tolerance": told[-1]}}, "bent")
     assert 1 <= len(told) <= 3
-    assert solve(scene).multiplier == pytest.approx(0.6, rel=1e-3)  # it slides as a stone on a plane face
+    assert solve(scene).multiplier == pytest.approx(0.6, rel=1e-3)  # it slides as a stone with a plane underside does
 
 
 def test_blocks_across_from_each_other_at_a_corner_are_told_nothing() -> None:
-    slip = 5e-5  # by which the courses of two columns differ, and the upper joint between the columns
+    slip = 5e-5  # m, by which the courses of two columns differ, and by which the upper joint between the columns is shifted
     missed = missed_joints(
         scenes.build(
             scenes.box("base", (0.0, 0.0, -0.1), (1.0, 0.5, 0.0), "fixed"),

@@ -1,4 +1,4 @@
-"""Overlaps of faces: polygons that share a part of an edge overlap in what half-planes cut, whatever GEOS makes of them."""
+"""Overlaps of faces: polygons that share a part of an edge have the overlap that half-planes cut, whatever GEOS returns."""
 
 import numpy as np
 import pytest
@@ -9,11 +9,11 @@ from la_core.analysis import analyse
 from la_core.geometry import overlap_of
 from la_core.limit import Drive
 
-KNOWN = (3, 14, 1)  # the version of GEOS that loses some
+KNOWN = (3, 14, 1)  # version of GEOS that loses some overlaps
 
 
 def flush_pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Convex polygons, and triangles with one edge on the line of an edge of theirs, on either side of it."""
+    """Convex polygons, and for each a triangle that has an edge on the line of one of its edges and lies on either side of it."""
     rng = np.random.default_rng(seed)
     hulls = shapely.convex_hull(shapely.multipoints(rng.normal(size=(count, 6, 2))))
     corners = [shapely.get_coordinates(hull)[:-1] for hull in hulls]
@@ -30,7 +30,7 @@ def flush_pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_flush_polygons_overlap_as_on_a_grid(turned: bool) -> None:
-    """GEOS alone loses some of these overlaps: it returns points. On a grid it does not."""
+    """GEOS alone loses some of these overlaps, because it returns points. On a grid it loses none."""
     first, second = flush_pairs(20_000, seed=0)
     if turned:
         first, second = second, shapely.reverse(first)
@@ -81,8 +81,8 @@ SUPPORT = (
 
 
 def test_a_block_on_two_flush_faces_has_a_joint_with_each() -> None:
-    """Gravity acts along the normal of the plane below the block. A linear programme of another hand, with sharp edges and a pyramid
-    of friction, gives 0.41534 W; one joint was lost, and the reaction was 1 W by both methods."""
+    """Gravity acts along the normal of the plane below the block. An independent linear programme with sharp edges and a friction
+    pyramid gives 0.41534 W. One joint was lost, and the reaction was 1 W in both methods."""
     down = np.array([1.250797964097431, 9.10567028175415, -3.4290484354976716])
     parts = [
         scenes.block(name, role, 2000.0, polyhedron=vertices)

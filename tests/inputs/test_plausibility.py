@@ -1,4 +1,4 @@
-"""Values that are allowed but seldom meant: each brings a warning, in every place where a user looks, and never an error."""
+"""Allowed but implausible values: each causes a warning in every output that a user reads, and never an error."""
 
 import json
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from la_core.scene.scene import load_scene
 
 WriteScene = Callable[[str], Path]
 LOAD = '[[load]]\nblocks = ["block"]\nforce = [{}\n'
-AS_SEEN = {  # what is changed in the example of two pads, and what the warning must say
+AS_SEEN = {  # change of the example of two pads, and words of the warning
     "an angle for friction": (("friction = 0.6", "friction = 35.0"), "joint.friction = 35 is above 1.2", "35 degrees is 0.700"),
     "friction beyond stone": (("friction = 0.6", "friction = 1.5"), "joint.friction = 1.5 is above 1.2"),
     "a weight for density": (("2200.0", "18.0"), "density = 18 kg/m3 lies outside 500 to 4000", "kN/m3, write 1835"),
@@ -137,7 +137,7 @@ def test_an_angle_in_radians_is_told_in_degrees() -> None:
 
 
 def test_a_floor_on_a_block_is_no_heavy_stone() -> None:
-    """The mass of a floor belongs to blocks in the model, and not to their stone."""
+    """The mass of a floor raises the density of its blocks in the model, but not that of their stone."""
     scene = scenes.shipped("building_corner")
     assert scene.blocks.density.max() > 4000.0 and scene.warnings == ()
 
@@ -163,7 +163,7 @@ def test_ground_may_be_long_and_a_spreading_or_turning_support_is_no_lift(write_
 
 @pytest.mark.parametrize(("direction", "lifts"), [("[-1.0, 0.0, 0.0]", False), ("[-1.0, 0.0, 0.1]", True), ("[-1.0, 0.0, -0.1]", False)])
 def test_under_gravity_aslant_a_level_support_lifts_nothing(write_scene: WriteScene, two_pads: str, direction: str, lifts: bool) -> None:
-    """Each of these motions has a part against gravity, but only one goes up."""
+    """Each of these motions has a component against gravity, but only one of them rises."""
     aslant = changed(two_pads, ("gravity = [0.0, 0.0, -9.81]", "gravity = [2.0, 0.0, -9.6]"))
     text = changed(aslant, ("direction = [0.0, 0.0, -1.0]", f"direction = {direction}"))
     assert ("against gravity" in warnings_of(write_scene(text))) == lifts

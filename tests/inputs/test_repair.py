@@ -1,4 +1,4 @@
-"""The tolerance of the geometry: surveyed walls close again, every change is reported, and what cannot be repaired is named."""
+"""The tolerance of the geometry: joints of surveyed walls close, every change is reported, and places that stay open are named."""
 
 from itertools import pairwise, product
 
@@ -21,7 +21,7 @@ from la_core.scene.changes import _repair_rows
 
 LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
 ROUND_OFF = 1e-9
-LINEAR = 1.1  # of the growth of the wall
+LINEAR = 1.1  # allowed growth over that of the wall
 
 
 def surveyed(
@@ -34,7 +34,7 @@ def surveyed(
     tolerance: float = 0.0,
     bond: str = "running",
 ) -> Scene:
-    """A wall whose corners are wrong by up to `error`, m, each by itself, then rounded."""
+    """A wall whose corners have independent errors of up to `error` (m) and are then rounded."""
     chance, parts, width = (
         np.random.default_rng(seed),
         list(scenes.base(round(per_course * 2 / 3) * LENGTH, per_course * LENGTH, DEPTH)),
@@ -60,7 +60,7 @@ def reaction(scene: Scene) -> float:
 @pytest.mark.parametrize(("error", "tolerance"), [(0.0005, 0.001), (0.002, 0.003), (0.004, 0.005), (0.005, 0.005)])
 @pytest.mark.parametrize(("seed", "bond"), [(1, "running"), (2, "running"), (3, "stack")])
 def test_a_surveyed_wall_has_the_joints_of_the_true_one(error: float, tolerance: float, seed: int, bond: str) -> None:
-    """In stack bond four corners meet, and errors make joints of some millimetres between blocks that meet in a corner only."""
+    """In stack bond four corners meet, and errors make joints of some millimetres between blocks that meet only in a corner."""
     true, survey = surveyed(6, 8, 0.0, bond=bond), surveyed(6, 8, error, seed, tolerance=tolerance, bond=bond)
     assert scenes.joints(survey) == scenes.joints(true)
     repairs = survey.repairs
@@ -113,7 +113,7 @@ def test_an_overlap_beyond_the_tolerance_is_named_with_its_place_and_refused() -
 
 
 def test_a_short_joint_within_the_tolerance_goes() -> None:
-    """A block that rests on two pads, on the second one by 3 mm only."""
+    """A block rests on two pads, on the second one by only 3 mm."""
     pads = [
         scenes.box("fixed", (0.0, 0.0, -0.5), (0.997, 1.0, 0.0), "fixed"),
         scenes.box("settling", (0.997, 0.0, -0.5), (2.0, 1.0, 0.0), "support"),
@@ -127,7 +127,7 @@ def test_a_short_joint_within_the_tolerance_goes() -> None:
 
 
 def test_what_cannot_lie_on_one_plane_is_named_with_its_corner() -> None:
-    """The last metre of a bed of five falls by 9.9 mm: the block upon it cannot lie on both within 5 mm."""
+    """The last metre of a bed of five falls by 9.9 mm. The block above cannot lie on both parts of the bed within 5 mm."""
     pads = [scenes.block("fixed", "fixed", prism=([(0, -1), (4, -1), (4, 0), (0, 0)], (0.0, 1.0)))]
     pads.append(scenes.block("settling", "support", prism=([(4, -1), (5, -1), (5, -0.0099), (4, 0)], (0.0, 1.0))))
     scene = scenes.build(*pads, scenes.box("a", (0.0, 0.0, 0.0), (5.0, 1.0, 0.5)), scenes.table("geometry", tolerance=0.005))
@@ -187,7 +187,7 @@ def lengths_of_joints(scene: Scene) -> dict[tuple[str, str], float]:
 @pytest.mark.parametrize(("error", "tolerance"), [(0.0005, 0.001), (0.002, 0.004)])
 @pytest.mark.parametrize("seed", range(1, 6))
 def test_surveyed_rubble_has_the_joints_and_the_weight_of_the_true_one(error: float, tolerance: float, seed: int) -> None:
-    """Many stones are not quite convex as drawn, and corners between nearly level faces slide along them."""
+    """As surveyed, many stones are not quite convex, and corners between nearly level faces slide along these faces."""
     true, survey = rubble_of(seed, error, tolerance)
     before, after = lengths_of_joints(true), lengths_of_joints(survey)
     assert not survey.repairs.unclosed
@@ -198,7 +198,7 @@ def test_surveyed_rubble_has_the_joints_and_the_weight_of_the_true_one(error: fl
 
 @pytest.mark.parametrize("seed", [6, 7])
 def test_no_stone_keeps_a_corner_between_two_faces_that_came_onto_one_plane(seed: int) -> None:
-    """In wall 7 a short joint is gathered with the long one beside it; YADE refuses a stone whose corner lies on a straight edge."""
+    """In wall 7 a short joint is merged with the long joint beside it. YADE refuses a stone with a corner on a straight edge."""
     stones = rubble_walls.shrunk(rubble_walls.profiles(seed), 0.005)
     true, parts = rubble_walls.wall(stones), rubble_walls.wall(stones, tolerance=0.003).blocks.parts
     same_block = parts.face_block[:, None] == parts.face_block
@@ -209,13 +209,13 @@ def test_no_stone_keeps_a_corner_between_two_faces_that_came_onto_one_plane(seed
 
 @pytest.mark.filterwarnings("error")
 def test_planes_that_enclose_no_body_leave_nothing_and_bring_no_warning() -> None:
-    """A wedge that is open at its wide end."""
+    """The planes form a wedge that is open at its wide end."""
     normal = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0], [-0.04, 0.0, -1.0], [0.0, 0.0, 1.0]])
     assert between(normal, np.array([0.0, 0.4, 0.0, 0.0]), np.array([10.0, 0.2, -0.2]), 1e-9) is None
 
 
 def voussoirs_between_chords(around: int, rows: int) -> tuple[list[str], list[Shape]]:
-    """Some voussoirs of a dome in rows that are shifted by half a voussoir: chords of one row cross those of the next one."""
+    """Some voussoirs of a dome in rows shifted by half a voussoir. The chords of one row cross those of the next row."""
     step, names, shapes = 2.0 * np.pi / around, [], []
     for row, place in np.ndindex(rows, 8):
         heights, sides = np.radians([10 + 4 * row, 14 + 4 * row]), (place + row % 2 / 2.0 + np.arange(2)) * step
@@ -237,7 +237,7 @@ def overlap_depths(names: list[str], shapes: list[Shape]) -> list[float]:
 
 @pytest.mark.parametrize("tolerance", [0.0034, 0.0037, 0.0045, 0.0054, 0.007])
 def test_an_overlap_that_moving_faces_deepen_is_cut_where_it_was_drawn_within_the_tolerance(tolerance: float) -> None:
-    """Faces of a row move onto one plane, away from the blocks that they met: overlaps of 6.8 mm grew to 16 mm and were refused."""
+    """Faces of a row move onto one plane, away from the blocks that they met. Overlaps of 6.8 mm grew to 16 mm and were refused."""
     names, shapes = voussoirs_between_chords(around=32, rows=7)
     assert 0.006 < max(overlap_depths(names, shapes)) < 2.0 * tolerance
     repaired, repairs = closing.close_joints(names, shapes, tolerance, np.zeros(len(shapes)))
@@ -248,7 +248,7 @@ def test_an_overlap_that_moving_faces_deepen_is_cut_where_it_was_drawn_within_th
 
 
 def test_the_depth_of_the_deepest_cut_is_told() -> None:
-    """Faces of these voussoirs stay where they are, and up to 7 mm are cut off: only "largest move: 0 mm" told how much."""
+    """The faces of these voussoirs do not move, and up to 7 mm is cut off. The report stated only "largest move: 0 mm"."""
     names, shapes = voussoirs_between_chords(around=32, rows=7)
     repaired, repairs = closing.close_joints(names, shapes, 0.0034, np.zeros(len(shapes)))
     lost = [
@@ -263,7 +263,7 @@ def test_the_depth_of_the_deepest_cut_is_told() -> None:
 
 
 def test_planes_of_a_wall_four_times_as_long_take_four_times_the_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The faces of a bed join one by one: to put all corners of the bed together from each face again would take sixteen times as many."""
+    """The faces of a bed are joined one by one. Collecting all corners of the bed again for each face would take sixteen times as many."""
     gathered, join = [0], np.concatenate
 
     def counted(arrays, *arguments, **options):

@@ -1,4 +1,4 @@
-"""The tolerance of the geometry on blocks that are not convex: their outline moves as a whole, and is divided afterwards."""
+"""The tolerance of the geometry for blocks that are not convex: their outline moves as a whole and is then divided."""
 
 from itertools import pairwise
 
@@ -30,7 +30,7 @@ def test_of_two_edges_on_one_line_each_has_the_face_that_lies_along_it(mirrored:
     for face, first, last in zip(faces.tolist(), corners, np.roll(corners, -1, axis=0), strict=True):
         low = np.maximum(np.minimum(first, last), np.minimum(*sides[face]))
         high = np.minimum(np.maximum(first, last), np.maximum(*sides[face]))
-        assert np.all(high >= low) and np.linalg.norm(high - low) > 0.1  # what edge and side share; they are parallel to the axes
+        assert np.all(high >= low) and np.linalg.norm(high - low) > 0.1  # overlap of edge and side, which are parallel to the axes
 
 
 @pytest.mark.parametrize("height", [0.9, 1.1])
@@ -55,7 +55,7 @@ def test_a_dent_within_the_tolerance_makes_no_second_part() -> None:
 
 
 def test_a_part_thinner_than_its_errors_may_vanish() -> None:
-    """A dent of 3 mm divides the stone; its lower part is thinner than the faces beside it move."""
+    """A step of 2 mm divides both stones. A part that is thinner than the errors of its faces may vanish."""
     step = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.7, 0.5], [0.7, 0.502], [0.0, 0.502]]
     above = [[0.0, 0.502], [0.7, 0.502], [0.7, 0.5], [1.0, 0.5], [1.0, 1.0], [0.0, 1.0]]
     parts = (scenes.block("a", prism=(step, (0.0, 1.0))), scenes.block("b", prism=(above, (0.0, 1.0))))
@@ -65,7 +65,7 @@ def test_a_part_thinner_than_its_errors_may_vanish() -> None:
 
 @pytest.mark.parametrize("gap", [0.0, 0.002])
 def test_stones_that_lean_and_are_not_convex_close_their_joints_too(gap: float) -> None:
-    """Front and back of both lean, and both are turned in plan: the cut through the first one ends within its outline on either side."""
+    """Front and back of both stones lean, and both are turned in plan. The cut through the first ends within its outline on both sides."""
     step = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0), (0.0, 1.0)]
     beside = [(0.5 + gap, 0.5 + gap), (1.0, 0.5 + gap), (1.0, 1.0), (0.5 + gap, 1.0)]
     shapes = [turned(leaning(one, (0.0, 0.4), (0.05, 0.38), (0.0, 1.0)), (0.0, 0.0, 0.0), 30.0) for one in (step, beside)]
@@ -97,7 +97,7 @@ def joggled_arch(error: float, seed: int, tolerance: float) -> Scene:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_surveyed_stones_with_steps_have_the_joints_of_the_true_ones(seed: int) -> None:
-    """The cut through such a stone is all but level with its steps: its parts alone would slide far along it."""
+    """The cut through such a stone is nearly level with its steps, so its parts, moved separately, would slide far along it."""
     true, survey = joggled_arch(0.0, 0, 0.001), joggled_arch(0.003, seed, 0.006)
     assert scenes.joints(survey) == scenes.joints(true)
     assert len(scenes.joints(true)) == 2 + 4 * 3
@@ -107,7 +107,7 @@ def test_surveyed_stones_with_steps_have_the_joints_of_the_true_ones(seed: int) 
 
 @pytest.mark.parametrize(("dip", "x"), [(0.0028, 0.0), (0.003, 0.0), (0.003, 1e6), (0.0032, 0.0)])
 def test_where_one_of_two_nearly_level_faces_moves_the_corner_between_them_becomes_a_step(dip: float, x: float) -> None:
-    """The left half of an L's bed closes a gap of 2 mm to a pad and the right half is free: their planes meet 0.05 m beside the corner."""
+    """The left half of an L's bed closes a gap of 2 mm to a pad; the right half is free. Their planes meet 0.05 m beside the corner."""
     tolerance = 0.002
     stone = [(0.0, 0.0), (0.5, -dip), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.4, 1.0), (0.0, 1.0)]
     pad = [(0.0, -0.5), (0.5, -0.5), (0.5, -0.002), (0.0, -0.002)]
@@ -121,7 +121,7 @@ def test_where_one_of_two_nearly_level_faces_moves_the_corner_between_them_becom
 
 @pytest.mark.parametrize("degrees", [-0.45, -0.2])
 def test_beside_neighbours_that_are_turned_in_plan_a_stone_that_is_not_convex_keeps_plane_faces(degrees: float) -> None:
-    """Its end faces turn halfway towards the neighbours. Its back is then no copy of its front, and a cut between them is warped."""
+    """The stone's end faces turn halfway to the neighbours. Its back is then no copy of its front, and a cut between them is warped."""
     profiles = [
         [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.5, 1.0), (0.0, 1.0)],
         [(1.0, 0.0), (1.6, 0.0), (1.6, 0.5), (1.0, 0.5)],
@@ -148,7 +148,7 @@ def test_what_would_vanish_far_from_the_origin_is_told_where_the_scene_has_it() 
 @pytest.mark.parametrize("first", range(6))
 @pytest.mark.parametrize(("side", "width"), [(1.0, 0.4), (-1.0, 0.4), (1.0, 0.6), (-1.0, 0.6)])
 def test_a_notch_closes_on_what_stands_in_it_wherever_its_outline_begins(first: int, side: float, width: float) -> None:
-    """The sides of cuts lie along edges of the outline, too, and run the other way."""
+    """Sides of cuts may lie along edges of the outline, too, and run the other way."""
     corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (width, 0.5), (width, 1.0), (0.0, 1.0)]
     stone = [(side * x, z) for x, z in [*corners[first:], *corners[:first]]]
     inner = [(side * x, z) for x, z in [(width + 0.002, 0.502), (1.0, 0.502), (1.0, 1.0), (width + 0.002, 1.0)]]

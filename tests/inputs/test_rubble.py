@@ -1,4 +1,4 @@
-"""Rubble fills its wall with stones that a seed draws, and no joint of it is short."""
+"""Rubble fills its wall with stones drawn from a seed, and no joint of the wall is short."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Bad scenes: each is refused by a message that names file, block or key, value where there is one, and rule."""
+"""A bad scene is refused with a message that names the file, the block or key, the value where there is one, and the rule."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -38,7 +38,7 @@ def prism(profile: str, y: str = "[0.0, 0.2]") -> str:
     return f"prism = {{ profile = {profile}, y = {y} }}"
 
 
-# What is changed in the contract's example, and what the message must say: place, value, rule, next step.
+# Changes of the contract's example, and words of the message: place, value, rule, next step.
 CHANGED = {
     "unknown key of a table": (("friction = 0.6", "friction = 0.6\nfricton = 0.6"), 'joint.fricton: unknown key; did you mean "friction"?'),
     "misspelt required key": (("friction = 0.6", "fricton = 0.6"), 'joint.fricton: unknown key; did you mean "friction"?'),
@@ -199,13 +199,13 @@ def test_unchanged_scene_is_accepted(write_scene: WriteScene, two_pads) -> None:
 
 
 def test_a_share_of_the_time_step_is_not_judged_where_the_scene_gives_the_step(write_scene: WriteScene, two_pads) -> None:
-    """YADE does not use the share there: such scenes ran and agreed before the rule."""
+    """YADE then does not use the share. Such scenes ran and agreed before this rule."""
     text = swapped(two_pads, (MOTION, MOTION + "\n[yade]\ntime_step_share = 1.2\ntime_step = 1e-6"))
     assert load_scene(write_scene(text)).yade == {"time_step_share": 1.2, "time_step": 1e-6}
 
 
 def test_integers_are_numbers(write_scene: WriteScene, two_pads) -> None:
-    """TOML tells 1 from 1.0; a user need not."""
+    """TOML distinguishes 1 from 1.0; a user need not."""
     scene = load_scene(write_scene(swapped(two_pads, ("= 0.6", "= 1"), ("to = [1.0, 0.2, 0.5]", "to = [1, 0.2, 0.5]"))))
     assert scene.friction == 1.0 and isinstance(scene.friction, float)
 
@@ -217,7 +217,7 @@ def test_support_that_touches_nothing_free(write_scene: WriteScene, two_pads) ->
 
 
 def test_support_whose_joint_is_too_short(write_scene: WriteScene, two_pads) -> None:
-    """It touches the block: what is told is the least length of a joint, and not the nearest gap."""
+    """The support touches the block, so the message states the least length of a joint and not the nearest gap."""
     upper = [scenes.box(f"upper {k}", (0.0, 0.0, 0.5 * k), (1.0, 0.2, 0.5 * (k + 1))) for k in (1, 2)]
     narrow = swapped(two_pads, ("from = [0.5, 0.0, -0.1]", "from = [0.9998, 0.0, -0.1]"), (MOTION, "\n".join([*upper, MOTION])))
     told = refusal(write_scene(narrow))
@@ -226,7 +226,7 @@ def test_support_whose_joint_is_too_short(write_scene: WriteScene, two_pads) -> 
 
 
 def test_mortar_that_is_not_drawn_between_the_structure_and_its_support(write_scene: WriteScene, two_pads) -> None:
-    """Its width is told; the pads touch each other and the blocks touch each other, so none of them touches nothing."""
+    """The message states the width of the mortar. The pads touch each other, and so do the blocks, so each of them touches a block."""
     lowered = swapped(two_pads, ("to = [0.4, 0.2, 0.0]", "to = [0.5, 0.2, -0.01]"), ("to = [1.0, 0.2, 0.0]", "to = [1.0, 0.2, -0.01]"))
     upper = scenes.box("upper block", (0.0, 0.0, 0.5), (1.0, 0.2, 0.8))
     told = refusal(write_scene(swapped(lowered, (MOTION, upper + "\n" + MOTION))))

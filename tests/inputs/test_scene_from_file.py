@@ -1,4 +1,4 @@
-"""`crosscheck new --from` writes a scene for a drawing or a file of bodies, and marks what the file cannot say."""
+"""`crosscheck new --from` writes a scene for a drawing or a file of bodies, and marks the values that the file does not state."""
 
 import tomllib
 from pathlib import Path
@@ -31,7 +31,7 @@ def test_a_scene_for_a_drawing_is_written_and_can_be_read(tmp_path: Path, capsys
 
 
 def test_the_hint_on_friction_names_layers_that_may_have_a_joint(tmp_path: Path) -> None:
-    """Most outlines are on the layer of the stones; ground and support are held, and have no joint with each other."""
+    """Most outlines are on the layer of the stones. Ground and support are held and have no joint with each other."""
     entities = [polyline(outline, "ARCH") for outline in (SQUARE, ABOVE)] + [polyline(BASE, "GROUND")]
     (tmp_path / "arch.dxf").write_bytes(dxf(entities))
     assert 'between = ["layer:ARCH", "layer:GROUND"]' in scene_from_file(tmp_path / "arch.dxf", tmp_path)
@@ -90,7 +90,7 @@ def test_the_edges_of_rubble_do_not_look_like_those_of_a_turned_drawing(tmp_path
 
 
 def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> None:
-    """An outline that is open, a unit that makes giants of bricks, a support without ground, and no layer that is not read."""
+    """The scene marks an open outline, a unit that makes bricks 240 m long, and a support without ground, but no unread layer."""
     courses = [[(x, z), (x + 240, z), (x + 240, z + 30), (x, z + 30)] for z in (0, 30, 60) for x in (0, 240)]
     missing = [*courses[2], (0, 40)]
     pad = polyline([(0, -100), (480, -100), (480, 0), (0, 0)], "SUPPORT")

@@ -1,4 +1,4 @@
-"""Arches follow their curves, are symmetric and closed, and coincide where their shapes do."""
+"""Arches follow their curves, are symmetric and closed, and coincide where their shapes coincide."""
 
 import math
 from itertools import pairwise
@@ -50,7 +50,7 @@ def test_an_arch_is_symmetric_closed_and_as_high_and_wide_as_asked(name: str, ri
     assert np.allclose(*(np.unique(np.round(v, 9), axis=0) for v in (vertices, vertices * (-1, 1, 1))), atol=2e-9)
     count, joints = changes.get("voussoirs", 11), find_interfaces(scene.blocks)
     assert len(joints) == (count + 1) * rings + count * (rings - 1)
-    across = np.abs(joints.normal[:, 0]) > 0  # all but nothing; areas of joints across the ring are those of its thickness
+    across = np.abs(joints.normal[:, 0]) > 0  # nearly all joints; the areas of joints across the ring follow from its thickness
     ends = stations(ring(**changes))
     thickness = sum(math.dist(end.at(0.0), end.at(0.4)) for end in ends)
     between = sum(math.dist(a.at(0.4 * k / rings), b.at(0.4 * k / rings)) for a, b in pairwise(ends) for k in range(1, rings))
@@ -62,7 +62,7 @@ def test_an_arch_is_symmetric_closed_and_as_high_and_wide_as_asked(name: str, ri
 
 @pytest.mark.parametrize("rings", [1, 2])
 def test_a_notched_keystone_follows_the_apex(rings: int) -> None:
-    """Its profile is that of the plain one with a triangle more above and a triangle less below."""
+    """Its profile is that of a plain keystone with a triangle added above and a triangle removed below."""
     changes = {"shape": "pointed", "rise": 2.2, "rings": rings}
     notched, plain = (scenes.build(arch(**changes, keystone=kind), settlement=SPREADS) for kind in ("notched", "plain"))
     assert notched.blocks.is_compound.sum() == rings
@@ -77,7 +77,7 @@ def test_a_notched_keystone_follows_the_apex(rings: int) -> None:
 
 
 def test_of_a_notched_keystone_only_the_weight_counts() -> None:
-    """Its joints are those of the plain one, and both are symmetric: a plain one that weighs as much pushes as much."""
+    """Its joints are those of a plain keystone, and both are symmetric. A plain keystone of the same weight causes the same thrust."""
     notched, plain = (scenes.build(arch(shape="pointed", rise=2.2, keystone=kind), settlement=SPREADS) for kind in ("notched", "plain"))
     blocks, key = plain.blocks, plain.blocks.names.index("arch 6")
     parts = []
@@ -105,7 +105,7 @@ def test_points_of_the_inner_face_lie_on_the_curve() -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_joints_leave_the_inner_face_at_right_angles_and_at_equal_lengths(name: str) -> None:
-    """In many voussoirs, chords approach the curve; the apex of a pointed arch is no smooth point."""
+    """With many voussoirs, the chords approach the curve. The apex of a pointed arch, where the curve is not smooth, is left out."""
     joints = stations(ring(**(SHAPES[name] | {"voussoirs": 2000})))
     points = np.array([joint.at(0.0) for joint in joints])
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -145,7 +145,7 @@ def test_an_arch_pushes_alike_on_both_springings(name: str) -> None:
 
 
 def test_a_joint_between_rings_cannot_strengthen_an_arch() -> None:
-    """What two rings can carry, one ring can: its least thrust is no greater, and its greatest no less."""
+    """One ring can carry all forces of two rings, so its least thrust is no greater and its greatest thrust no smaller."""
     one, two = (scenes.build(arch(rings=rings), settlement=SPREADS, friction=0.7) for rings in (1, 2))
     assert free_volume(one) == pytest.approx(free_volume(two), rel=ROUND_OFF)
     assert reaction(one) <= reaction(two) + EXACT

@@ -1,4 +1,4 @@
-"""Walls have their volumes, closed joints and reactions by formulas, and those that cannot be built are refused."""
+"""Walls have the volumes, closed joints and reactions of formulas, and walls that cannot be built are refused."""
 
 import math
 from itertools import pairwise
@@ -85,7 +85,7 @@ def test_a_wall_has_its_volume_and_is_closed_all_over(name: str) -> None:
     [({"rise": 0.3, "bearing": 0.15, "voussoirs": 5}, 0.0), ({"rise": 0.1, "bearing": 0.1, "voussoirs": 5}, 0.0), ({"voussoirs": 11}, 0.0)],
 )
 def test_an_arched_head_leaves_no_more_than_its_segment_and_closes_with_the_wall(changes: dict[str, Any], key_area: float) -> None:
-    """What is exposed beyond the wall's own sides is the opening's jambs, its sill and a polygon within the arc."""
+    """Apart from the wall's own sides, the exposed faces are the jambs and the sill of the opening and a polygon within the arc."""
     scene = scenes.build(wall(opening=[window(**changes)]))
     half, rise = 0.6, changes.get("rise", 0.6)
     radius = (half**2 + rise**2) / (2.0 * rise)
@@ -105,7 +105,7 @@ def test_a_wall_with_an_arched_head_in_its_middle_is_symmetric() -> None:
 
 
 def test_blocks_are_named_by_course_and_by_place_from_the_left() -> None:
-    """As the page of scenes says: loads and ties choose blocks by these names."""
+    """The page of scenes states these names. Loads and ties choose blocks by them."""
     blocks = scenes.build(wall()).blocks
     sixth = {name: place for name, place in zip(blocks.names, blocks.centroid, strict=True) if name.startswith("wall 6.")}
     assert list(sixth)[:3] == ["wall 6.1", "wall 6.2", "wall 6.3"]
@@ -173,7 +173,7 @@ def test_a_wall_that_cannot_be_built_is_refused_with_the_reason(case: str) -> No
 
 
 def random_wall(chance: np.random.Generator) -> dict[str, Any]:
-    """A wall with an arched or a plain opening that may or may not fit, and some of what else walls can have."""
+    """A random wall with an arched or plain opening, which may not fit, and with some further options of walls."""
     block, per_course, courses = chance.uniform(0.2, 0.8, 3), int(chance.integers(2, 9)), int(chance.integers(2, 9))
     length = float(block[0]) * per_course
     heights = chance.choice([0.2, 0.25, 0.4], 2).tolist() if chance.random() < 0.5 else [float(block[2])]
@@ -193,7 +193,7 @@ def random_wall(chance: np.random.Generator) -> dict[str, Any]:
 
 
 def test_random_walls_are_refused_for_a_reason_or_have_neither_gaps_nor_overlaps() -> None:
-    """Blocks that overlap, or touch nothing, would be refused by the assembly: a fault of the generator, and none of the wall's."""
+    """The assembly would refuse blocks that overlap or touch nothing. This would be a fault of the generator, not of the wall."""
     chance, built = np.random.default_rng(5), 0
     for _ in range(150):
         text = wall(**random_wall(chance))

@@ -1,4 +1,4 @@
-"""Blocks have the mass properties of known solids, and faces that look outward and close them."""
+"""Blocks have the mass properties of known solids, and their faces have outward normals and enclose them."""
 
 import math
 
@@ -54,7 +54,7 @@ SIXTH = 1.0 / 6.0  # of the weight, on the right of two pads under a block, by m
 
 
 def thin(kind: str, least: float) -> list[tuple[float, float]]:
-    """Profile (x, z), 1 m long and `least` (m) thin: all along, at one end, or between ends of 20 degrees."""
+    """Profile (x, z), 1 m long and `least` (m) thick: all along, at one end, or between ends mitred at 20 degrees."""
     end = least / math.tan(math.radians(20.0))
     return {
         SHEET: [(0.0, 0.0), (1.0, 0.0), (1.0, least), (0.0, least)],
@@ -67,7 +67,7 @@ def thin(kind: str, least: float) -> list[tuple[float, float]]:
 @pytest.mark.parametrize("kind", [SHEET, WEDGE, MITRED])
 @pytest.mark.parametrize("turn", [None, scenes.rotation((0.3, -0.5, 0.8), 1.1)], ids=["upright", "turned"])
 def test_a_thin_body_has_the_faces_of_the_prism_that_it_is(kind: str, least: float, turn) -> None:
-    """The corners of both its sides lie near one plane; they were taken for one face, and a sheet had up to 2.7 times its volume."""
+    """The corners of its two sides lie near one plane. The sides were taken for one face, and a sheet had up to 2.7 times its volume."""
     drawn = prism(thin(kind, least), (0.0, 0.2))
     drawn = drawn if turn is None else turned(drawn, turn)
     hull = polyhedron(drawn.vertices)
@@ -80,7 +80,7 @@ def test_a_thin_body_has_the_faces_of_the_prism_that_it_is(kind: str, least: flo
 @pytest.mark.parametrize("kind", [SHEET, WEDGE])
 @pytest.mark.parametrize("least", [9e-5, 1e-6])
 def test_a_block_stands_on_a_thin_hull_as_on_a_thin_prism(kind: str, least: float) -> None:
-    """A sheet of 1e-6 m was said to be unable to stand; thicker ones, to touch nothing."""
+    """A sheet of 1e-6 m was reported to be unable to stand, and thicker sheets to touch nothing."""
     profile = thin(kind, least)
     hull = scenes.block("thin", polyhedron=[(x, y, z) for x, z in profile for y in (0.0, 0.2)])
     top = scenes.block("block", prism=([profile[3], profile[2], (1.0, 0.5), (0.0, 0.5)], (0.0, 0.2)))

@@ -1,4 +1,4 @@
-"""Bodies of meshes whose corners are each off by a part of the tolerance: joints, volumes and reaction are those of the true bodies."""
+"""Mesh bodies with corner errors of a part of the tolerance have the joints, volumes and reaction of the true bodies."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,12 +20,12 @@ BODIES = {
     "lintel": ((0.0, 0.0, 0.0), (2.1, 0.5, 0.3)),
     "stone": ((0.9, 0.1, 0.3), (1.7, 0.4, 0.7)),
 }
-SEEDS = (6, 7, 13, 19, 21, 39)  # without dents, each lost a joint or a part of one, or was refused
+SEEDS = (6, 7, 13, 19, 21, 39)  # bodies without dents: each seed lost a joint or a part of one, or was refused
 RIGHT_TO = 0.05  # of the area of a joint of 0.3 m: its four edges are off by up to the tolerance
 
 
 def in_facets(low: tuple[float, ...], high: tuple[float, ...], chance: np.random.Generator) -> tuple[np.ndarray, list[tuple[int, ...]]]:
-    """A box with a corner more on every edge, all in triangles, as programs write bodies that were cut where others touch."""
+    """A box in triangles with an additional corner on every edge, as programs write bodies that are divided where others touch them."""
     points, faces, middles = corners(low, high).tolist(), [], {}
     for face in BOX_FACES:
         ring = []
@@ -64,7 +64,7 @@ def as_mesh(folder: Path, bodies: Surfaces, tolerance: str) -> Scene:
 
 
 def as_hulls(folder: Path, bodies: Surfaces, tolerance: str) -> Scene:
-    """As a program that makes bodies convex writes them."""
+    """The convex hulls of the bodies, as some programs write them."""
     hulls = {}
     for name, (points, _) in bodies.items():
         hull = scipy.spatial.ConvexHull(points)
@@ -82,7 +82,7 @@ def as_typed(folder: Path, bodies: Surfaces, tolerance: str) -> Scene:
 
 @pytest.mark.parametrize(("write", "seeds"), [(as_mesh, (1, 5, 6, 19, 37, 46, 64)), (as_hulls, SEEDS), (as_typed, SEEDS)])
 def test_facets_of_a_bent_face_are_one_face(write: Callable[..., Scene], seeds: tuple[int, ...], tmp_path: Path) -> None:
-    """A facet of the lintel that lies on no other body stayed where it was and cut the joint beside it: a half or all of it was lost."""
+    """A facet of the lintel that touches no other body did not move and cut the joint beside it. Half or all of the joint was lost."""
     true = as_mesh(tmp_path, drawn(0.0, 1), "")
     exact = find_interfaces(true.blocks)
     for seed in seeds:
@@ -96,7 +96,7 @@ def test_facets_of_a_bent_face_are_one_face(write: Callable[..., Scene], seeds: 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_body_of_inexact_corners_has_the_faces_of_the_true_one(seed: int) -> None:
-    """A cell with corners of three faces each, and some of its edges shorter than the tolerance."""
+    """The true body is a cell with three faces at every corner and with some edges shorter than the tolerance."""
     chance = np.random.default_rng(seed)
     normal = chance.normal(size=(14, 3))
     normal /= np.linalg.norm(normal, axis=1)[:, None]

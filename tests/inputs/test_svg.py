@@ -1,4 +1,4 @@
-"""What SVG says and how drawing programs use it: areas, places and layers computed by hand."""
+"""SVG as specified and as drawing programs use it: areas, places and layers agree with values computed by hand."""
 
 from pathlib import Path
 
@@ -87,7 +87,7 @@ SMOOTH = {  # a curve, and the area that it adds, m2
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_curves_reflect_only_their_own_family(name: str) -> None:
-    """Areas under curves of Bernstein polynomials: of a parabola 1/3 of width times control height; of cubics 0.6 and 0.3."""
+    """Area under a curve over width times control height: 1/3 for a parabola, 0.6 for a cubic with two raised controls, 0.3 with one."""
     curve, added = SMOOTH[name]
     assert area(read(f'<path d="M0 500 {curve} {BASE}"/>')) == pytest.approx(1.0 + added, abs=2.0 * SAGITTA)
 
@@ -127,7 +127,7 @@ def test_lengths_without_a_view_box_are_those_of_the_page(unit: float | None) ->
 
 
 def test_percentages_are_shares_of_the_view_box() -> None:
-    """Of 1400 mm by 200 mm; the radius is of the root of half the sum of their squares, 1000 mm."""
+    """The view box is 1400 mm by 200 mm. A radius refers to the root of half the sum of the squares of these sides, 1000 mm."""
     page = 'width="1400mm" height="200mm" viewBox="0 0 1400 200"'
     drawn = read('<rect x="10%" y="50%" width="50%" height="50%"/>', page)
     assert box(drawn) == pytest.approx([0.14, -0.2, 0.84, -0.1], rel=ROUND_OFF)
@@ -150,7 +150,7 @@ def test_a_percentage_of_nothing_is_refused() -> None:
     assert str(error.value) == words
 
 
-MOVED = {  # of a rectangle of 200 mm by 100 mm, to where it has its least and greatest x and z
+MOVED = {  # transforms of a rectangle of 200 mm by 100 mm, and its least x and z and greatest x and z afterwards, m
     "translate(100px, 300px)": [0.1, -0.4, 0.3, -0.3],
     "translateX(100px) translateY(300px)": [0.1, -0.4, 0.3, -0.3],
     "rotate(90deg)": [-0.1, -0.2, 0.0, 0.0],
@@ -266,7 +266,7 @@ ROUNDED = {  # attributes of a rectangle of 2000 mm by 300 mm, and the radii of 
 
 @pytest.mark.parametrize("radii", ROUNDED)
 def test_corners_of_a_rectangle_are_rounded(radii: str) -> None:
-    """Four quarters of an ellipse lack (4 - pi) rx ry of the rectangle; their chords lack less than their length times the sagitta."""
+    """Four rounded corners remove (4 - pi) rx ry from the rectangle. Their chords remove at most their length times the sagitta more."""
     first, second = ROUNDED[radii]
     drawn = read(f'<rect x="100" y="900" width="2000" height="300" {radii}/>')
     lost = area(drawn) - (0.6 - (4.0 - np.pi) * first * second * 1e-6)
@@ -282,7 +282,7 @@ def test_a_corner_that_is_rounded_within_the_sagitta_stays_sharp() -> None:
 
 
 ONE = RECT.format(1000, 100)
-HIDING = {  # what hides one rectangle
+HIDING = {  # ways to hide one rectangle
     "display": f'<g display="none">{ONE}</g>',
     "display in a style": f'<g style="fill:red; display : none">{ONE}</g>',
     "visibility": f'<g visibility="hidden">{ONE}</g>',
@@ -317,7 +317,7 @@ HIDING = {  # what hides one rectangle
     "colour of a space with an opacity": f'<g fill="color(srgb 1 0 0 / 0)" stroke="oklch(40% 0.2 20 / 0%)">{ONE}</g>',
     "current colour": f'<g style="color:transparent"><g fill="currentColor" stroke="currentColor">{ONE}</g></g>',
 }
-SHOWING = {  # what hides nothing
+SHOWING = {  # styles that hide nothing
     "style over sheet": f"<style>.a{{display:none}}</style><g class='a' style='display:inline'>{ONE}</g>",
     "another class": f"<style>.a{{display:none}}</style><g class='aa b'>{ONE}</g>",
     "element of another class": f"<style>rect.a{{display:none}}</style><g class='a'>{ONE}</g>",
@@ -352,7 +352,7 @@ def test_what_is_not_hidden_is_read(name: str) -> None:
     assert drawn.ignored == {}
 
 
-STILL = {  # what moves nothing that is read
+STILL = {  # styles that move nothing that is read
     "no move": f'<g style="translate: 0px 0; rotate: 0deg; scale: 1 100%">{ONE}</g>',
     "text": f'<style>text {{rotate: 30deg}}</style><text style="scale: 2; transform: rotateX(9deg)">a</text>{ONE}',
     "hidden": f'<g style="display: none; scale: 2">{ONE}</g>{ONE}',
@@ -367,7 +367,7 @@ def test_a_style_that_moves_nothing_that_is_read_is_no_reason_to_refuse(name: st
 
 
 RED = "<rect class='a' x='50' y='50' width='7' height='7'/>"
-STYLED = {  # sizes and places of styles, and the box that they give, m
+STYLED = {  # sizes and places in styles, and the resulting box, m
     "sheet": (f"<style>rect {{width: 200px; height: 100px; x: 5%; y: 0}}</style>{RED}", [0.1, -0.1, 0.3, 0.0]),
     "style": ("<rect x='1' width='7' height='100' style='x: 100px; width: 20cm'/>", [0.1, -0.1, 0.1 + 0.2 * 96.0 / 25.4, 0.0]),
     "style over sheet": ("<style>.a {width: 1px}</style>" + RED.replace("/>", " style='width:50px'/>"), [0.05, -0.057, 0.1, -0.05]),
@@ -400,7 +400,7 @@ def test_an_unread_rule_about_sizes_and_moves_alone_paints_nothing() -> None:
 
 
 HALF = "<clipPath id='half'><rect width='500' height='100'/></clipPath>"
-SEEN_OTHERWISE = {  # what is read whole, and how it is counted
+SEEN_OTHERWISE = {  # shapes that are read whole, and the kind by which they are counted
     "attribute": (f"{HALF}<g clip-path='url(#half)'>{ONE}</g>", "clip paths"),
     "style": (f"{HALF}<g style='clip-path:url(#half)'>{ONE}</g>", "clip paths"),
     "sheet": (f"{HALF}<style>.cut{{clip-path:url(#half)}}</style><g class='cut'>{ONE}</g>", "clip paths"),
@@ -424,7 +424,7 @@ def test_what_cuts_nothing_is_not_counted(body: str) -> None:
 
 
 def test_a_rule_that_depends_on_other_elements_is_counted() -> None:
-    """Such a rule may hide something, which is then read."""
+    """Such a rule may hide a shape that is read nevertheless."""
     drawn = read(f"<style>g .a{{display:none}} g > .b{{fill:red}} g .c{{font-size:3px}}</style><g><g class='a'>{ONE}</g></g>")
     assert drawn.ignored == {"rules of style sheets": 2}
 

@@ -1,4 +1,4 @@
-"""Copies by <use>: what they draw is what a drawing without copies draws."""
+"""Copies by <use> draw the same outlines as a drawing without copies."""
 
 import numpy as np
 import pytest

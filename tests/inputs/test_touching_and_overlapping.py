@@ -1,4 +1,4 @@
-"""Blocks that touch have a joint, and those that overlap or touch nothing are refused by name."""
+"""Blocks that touch have a joint. Blocks that overlap or touch nothing are refused by name."""
 
 import itertools
 import math
@@ -16,7 +16,7 @@ from la_core.geometry.interfaces import TOUCH, find_interfaces, nearest_gap
 from la_core.geometry.shapes import Shape, box, polyhedron, prism
 from la_core.model.assembly import assemble
 
-# --- what touches, what does not ---------------------------------------------------------------------------------------------
+# --- contacts and gaps -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("gap", "touches"), [(0.5 * TOUCH, True), (-0.5 * TOUCH, True), (5.0 * TOUCH, False)])
@@ -55,7 +55,7 @@ def test_diagonal_neighbours_in_a_stack_do_not_touch() -> None:
 
 
 def test_edge_on_a_face_is_no_interface() -> None:
-    """A block that balances on its edge touches along a line only."""
+    """A block that balances on its edge touches the other block only along a line."""
     roof = turned(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), -math.pi / 4.0))
     with pytest.raises(SceneError, match=r"touch(es)? nothing"):
         find_interfaces(gathered(box((-1.0, 0.0, -1.0), (1.0, 1.0, 0.0)), roof))
@@ -66,7 +66,7 @@ ENOUGH_DIGITS = 5  # after the point, in metres: 10 micrometres is about TOUCH o
 
 @pytest.mark.parametrize("digits", [4, 5, 6, 7, 9, 15])
 def test_boxes_typed_with_few_digits_share_the_interfaces_they_were_meant_to(digits: int) -> None:
-    """Rotated boxes as polyhedra, their corners rounded as a person or a spreadsheet would."""
+    """The boxes are rotated and typed as polyhedra, with corners rounded as by a person or a spreadsheet."""
     turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
 
     def typed(name: str, low: tuple[float, ...], high: tuple[float, ...], role: str = "free") -> str:
@@ -75,7 +75,7 @@ def test_boxes_typed_with_few_digits_share_the_interfaces_they_were_meant_to(dig
 
     pads = [typed("left", (0, 0, -0.1), (0.4, 0.2, 0), "fixed"), typed("right", (0.5, 0, -0.1), (1, 0.2, 0), "support")]
     scene = scenes.build(*pads, typed("block", (0, 0, 0), (1, 0.2, 0.5)), settlement=turn.apply([0, 0, -1]).tolist())
-    if digits < ENOUGH_DIGITS:  # the faces no longer meet; that is said, and never half of an interface kept
+    if digits < ENOUGH_DIGITS:  # the faces no longer meet; this is reported, and half of an interface is never kept
         with pytest.raises(SceneError, match="overlap"):
             find_interfaces(scene.blocks)
         return
@@ -121,7 +121,7 @@ def crossed_edges(distance: float) -> tuple[Shape, Shape]:
 
 
 def grounded(*shapes: Shape) -> Blocks:
-    """The shapes, each on a pad of its own on the side away from the others, so that none of them floats."""
+    """The shapes, each on its own pad on the side away from the others, so that no shape floats."""
     pads, middle = [], np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
     for shape in shapes:
         faces = [shape.vertices[list(face)] for face in shape.faces]
@@ -164,7 +164,7 @@ def test_gap_hint_names_the_nearest_block_and_the_distance() -> None:
 
 @pytest.mark.parametrize("gap", [0.0, 0.02, 0.2])
 def test_gap_of_leaning_blocks_is_not_that_of_their_boxes(gap) -> None:
-    """The box of a stone above a slope overlaps that of the slope; the message said that both meet in an edge."""
+    """The bounding box of a stone above a slope overlaps that of the slope. The message said that both meet in an edge."""
 
     def leaning(low: float, high: float, bottom: float, top: float) -> Shape:
         corners = ((low, bottom), (high, bottom), (high, top), (low, top))
@@ -190,7 +190,7 @@ def test_inset_larger_than_an_interface_names_the_pair(inset, plane) -> None:
 
 
 def test_of_many_overlaps_the_message_says_how_many_there_are_and_how_deep() -> None:
-    """Cubes in a row, each 1 mm farther into the one before: a tolerance must remove the deepest overlap, which is the last one."""
+    """Each cube of a row overlaps the one before by 1 mm more. A tolerance must remove the deepest overlap, which is the last one."""
     start = np.cumsum([0.0, *(1.0 - 0.001 * depth for depth in range(1, 8))])
     row = [box((x, 0.0, 0.0), (x + 1.0, 1.0, 1.0)) for x in start]
     with pytest.raises(SceneError, match=r'so do "b" and "c" by 0\.002 m, .*"d" and "e" by 0\.004 m, and 3 others by up to 0\.007 m;'):

@@ -1,4 +1,4 @@
-"""Barrel vaults and domes have plane faces, their volumes and closed joints, and some cannot be built."""
+"""Barrel vaults and domes have plane faces, exact volumes and closed joints, and shapes that cannot be built are refused."""
 
 import math
 from typing import Any
@@ -65,7 +65,7 @@ def test_volume_of_a_vault_is_that_of_its_straight_sided_ring_times_its_length()
 
 
 def frustum_volume(inner: float, outer: float, lunes: int, above: float, below: float) -> float:
-    """Volume of a voussoir: pyramids about the centre over a trapezoid with corners on the unit sphere, one less the other."""
+    """Volume of a voussoir: difference of two pyramids about the centre over a trapezoid with corners on the unit sphere."""
     return (outer**3 - inner**3) / 6.0 * math.sin(2.0 * math.pi / lunes) * (math.sin(above) + math.sin(below)) * math.sin(below - above)
 
 
@@ -80,7 +80,7 @@ def test_volume_of_a_dome_is_that_of_its_frusta() -> None:
         assert free_volume(scenes.build(dome(**changes), settlement=RIGHT)) == pytest.approx(lunes * lune, rel=ROUND_OFF)
 
 
-SECOND_ORDER = 0.05  # of the factor four by which half the voussoir's size divides the error: terms of the fourth order
+SECOND_ORDER = 0.05  # of the factor four by which halving the voussoirs divides the error: terms of the fourth order
 
 
 def test_volume_of_a_dome_tends_to_that_of_the_shell_at_second_order() -> None:
@@ -102,7 +102,7 @@ def test_joints_of_a_vault_are_closed_all_over(bond: str, heads: int) -> None:
 
 
 def bed_area(lunes: int, phi: float) -> float:
-    """Area of a bed joint of the test's dome: triangles about the centre over a chord of the parallel, one less the other."""
+    """Area of a bed joint of the test's dome: difference of two triangles about the centre over a chord of the parallel."""
     half_chord = math.sin(phi) * math.sin(math.pi / lunes)
     return (2.2**2 - 1.8**2) * half_chord * math.sqrt(1.0 - half_chord**2)
 
@@ -112,7 +112,7 @@ def bed_area(lunes: int, phi: float) -> float:
     [({}, 4, 5, 4), ({"sides": "free"}, 4, 3, 4), (WHOLE, 12, 12, 4), (CLOSED, 12, 12, 3), ({"sector": 180.0}, 6, 7, 4)],
 )
 def test_joints_of_a_dome_are_closed_all_over(changes: dict[str, Any], lunes: int, meridians: int, courses: int) -> None:
-    """Below every voussoir and every side of the keystone a bed, between every two voussoirs of a course a piece of meridian."""
+    """A bed joint lies below every voussoir and every side of the keystone; a piece of meridian lies between two voussoirs of a course."""
     parallels = np.radians(np.linspace(0.0 if changes is CLOSED else 20.0, 80.0, 5))
     beds = lunes * sum(bed_area(12, phi) for phi in parallels[1:])
     joints = meridians * courses * 0.5 * math.sin(parallels[1] - parallels[0]) * (2.2**2 - 1.8**2)
@@ -120,7 +120,7 @@ def test_joints_of_a_dome_are_closed_all_over(changes: dict[str, Any], lunes: in
     assert assembly.interfaces.area.sum() == pytest.approx(beds + joints, rel=ROUND_OFF * 10.0)
 
 
-# --- what cannot be built ----------------------------------------------------------------------------------------------------
+# --- shapes that cannot be built ---------------------------------------------------------------------------------------------
 
 
 IMPOSSIBLE = {

@@ -20,7 +20,7 @@ from la_core.limit.static import StaticSolution
 from la_core.model.assembly import Assembly, assemble
 
 MU = 0.6
-NEAR = 1e-3  # of the weight: the iteration stops at 1e-4 of a block's weight, some steps from its limit
+NEAR = 1e-3  # of the weight: the iteration stops at 1e-4 of a block's weight, some steps before its limit
 DEFAULT = ClassicParameters()
 
 in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])

@@ -1,4 +1,4 @@
-"""A result cannot be changed in place: its arrays are read-only and its tables cannot be filled, also in copies and in other processes."""
+"""A result cannot be changed in place: its arrays and its tables are read-only, also in copies and in other processes."""
 
 import copy
 import pickle

@@ -10,7 +10,7 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
 X = np.array([1.0, 0.0, 0.0])
-SLACK = 1e-3  # of the weight: allowed difference of the reaction from the given one
+SLACK = 1e-3  # of the weight: allowed difference from the given reaction
 
 both_models = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 

@@ -45,7 +45,7 @@ def calls(work: Callable[[], object]) -> int:
 
     before = sys.getprofile()
     gc.collect()
-    gc.disable()  # libraries may be called back by the collector, whenever it runs
+    gc.disable()  # the garbage collector may call libraries at any time
     sys.setprofile(hear)
     try:
         work()
@@ -88,7 +88,7 @@ def test_what_surrounds_the_solver_takes_few_calls_a_block(plane: bool, sizes: t
         finally:
             sys.setprofile(hear)
 
-    monkeypatch.setattr(symmetric_part, "LEAST_UNKNOWNS", 0)  # both sizes are searched for mirrors
+    monkeypatch.setattr(symmetric_part, "LEAST_UNKNOWNS", 0)  # both sizes are searched for symmetry
     solver = joints.cg
     monkeypatch.setattr(joints, "cg", unheard)
     monkeypatch.setattr(Programme, "solve", counted)

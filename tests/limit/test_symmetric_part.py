@@ -146,7 +146,7 @@ def test_what_is_not_symmetric_is_solved_whole(name: str) -> None:
 
 
 def test_two_columns_are_symmetric_but_for_a_hair() -> None:
-    """This symmetric scene differs from the scene above by the shift of one column alone."""
+    """The scene above with its column shifted back is symmetric, so the shift alone decides."""
     assert [len(images(assemble(scenes.build(*_two_columns(shift))))[1]) for shift in (0.0, 1e-6)] == [2, 1]
 
 
