@@ -1,6 +1,6 @@
 """Write the page of the Python interface from its docstrings: `.venv/bin/python tests/benchmarks/api_page.py`."""
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import ast
 import dataclasses
 import enum
@@ -28,7 +28,7 @@ SECTIONS = (*LISTS, "Notes", "Examples")
 
 
 class Entry(NamedTuple):
-    """One entry of a section: `name : kind`, then its meaning. An entry of Returns has no name, one of Raises no kind."""
+    """One entry of a section: `name : kind`, then its meaning. An entry of Returns has no name; an entry of Raises has no kind."""
 
     name: str
     kind: str
@@ -36,7 +36,7 @@ class Entry(NamedTuple):
 
 
 def sections(thing: Any) -> dict[str, str]:
-    """The sections of a docstring by their headings; the text above the first heading is that of ""."""
+    """Return the sections of a docstring by their headings. The key "" has the text above the first heading."""
     lines = (inspect.getdoc(thing) or "").splitlines()
     heading = ""
     texts: dict[str, list[str]] = {heading: []}
@@ -51,7 +51,7 @@ def sections(thing: Any) -> dict[str, str]:
 
 
 def entries(text: str) -> list[Entry]:
-    """The entries of a section: a line without indent begins one, the indented lines below it are its meaning."""
+    """Return the entries of a section. A line without indent begins an entry; the indented lines below it are its meaning."""
     listed: list[Entry] = []
     for line in text.splitlines():
         if line and not line.startswith(" "):
@@ -63,7 +63,7 @@ def entries(text: str) -> list[Entry]:
 
 
 def fields_of(thing: type) -> list[str]:
-    """Names of a class that its docstring describes: members of an enumeration, public fields of a dataclass."""
+    """Return the names of a class that its docstring describes: members of an enumeration, public fields of a dataclass."""
     if issubclass(thing, enum.Enum):
         return list(thing.__members__)
     fields = dataclasses.fields(thing) if dataclasses.is_dataclass(thing) else ()
@@ -71,7 +71,7 @@ def fields_of(thing: type) -> list[str]:
 
 
 def members_of(thing: type, kind: type) -> dict[str, Any]:
-    """Public members of a class that have docstrings of their own: properties (`property`) or methods (a function's type)."""
+    """Return the public members of a class that have their own docstrings: properties (`property`) or methods (`FunctionType`)."""
     return {name: member for name, member in vars(thing).items() if isinstance(member, kind) and not name.startswith("_")}
 
 
@@ -84,7 +84,7 @@ def page() -> str:
 
 
 def _entry(package: ModuleType, name: str) -> str:
-    """A function or class: heading, call, text, and of a class its properties and methods."""
+    """Return the Markdown of a function or class: heading, call and text. A class also has its properties and methods."""
     thing = getattr(package, name)
     heading = f"### `{package.__name__}.{name}`\n"
     if not inspect.isclass(thing):
@@ -96,13 +96,13 @@ def _entry(package: ModuleType, name: str) -> str:
 
 
 def _call(function: Any) -> Iterator[str]:
-    """How a function is called, as its source has it, without types: the list of parameters names them."""
+    """Yield the call of a function as in its source, but without types. The list of parameters names the types."""
     tree = _source(function)
     arguments = tree.args
     for argument in (*arguments.args, *filter(None, [arguments.vararg])):
         argument.annotation = None
     arguments.args = [argument for argument in arguments.args if argument.arg != "self"]
-    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # as ruff writes code
+    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # double quotes, as ruff formats code
     yield f"`{call}`\n"
 
 
@@ -113,7 +113,7 @@ def _source(function: Any) -> ast.FunctionDef:
 
 
 def _text(thing: Any) -> Iterator[str]:
-    """A docstring as Markdown: its text, then its sections in their order."""
+    """Yield a docstring as Markdown: its text, then its sections in their order."""
     for heading, text in sections(thing).items():
         if not heading:
             yield f"{text}\n"
@@ -128,7 +128,7 @@ def _text(thing: Any) -> Iterator[str]:
 
 
 def _listed(thing: Any, heading: str, text: str) -> list[Entry]:
-    """The entries of a section as the page shows them: members with their values, and properties among the attributes."""
+    """Return the entries of a section for the page. Members have their values, and properties are among the attributes."""
     listed = entries(text)
     if heading == "Returns":
         return [Entry("", kind, meaning) for kind, _, meaning in listed]
@@ -138,7 +138,7 @@ def _listed(thing: Any, heading: str, text: str) -> list[Entry]:
 
 
 def _properties(thing: type) -> list[Entry]:
-    """The properties of a class: the type that each returns, and its docstring."""
+    """Return the properties of a class: name, returned type and docstring."""
     kinds = {name: _source(member.fget).returns for name, member in members_of(thing, property).items()}
     return [Entry(name, ast.unparse(kind) if kind else "", _sentence(getattr(thing, name))) for name, kind in kinds.items()]
 

@@ -1,12 +1,12 @@
-"""Whether a requested accuracy is kept, and what it costs: every shipped scene whose value is known, and the wall, at three accuracies.
+"""Errors and cost at three requested accuracies: the shipped scenes of known value, and the wall.
 
     python tests/benchmarks/benchmark_accuracy.py [-o comparison/gallery/accuracy.md] [SCENE ...]
 
-Each row is a run of `crosscheck run SCENE --accuracy SHARE`. Errors are those of the answers against the scene's exact or published value,
-and as each method estimated its own.
+Each row is a run of `crosscheck run SCENE --accuracy SHARE`. It shows two errors of each method: the difference from the scene's exact or
+published value, and the method's own estimate.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import re
 import tempfile
@@ -27,14 +27,14 @@ from la_core.analysis.accuracy import with_accuracy
 from la_core.text_table import number_text
 
 ACCURACIES = (0.05, 0.01, 0.002)
-FINE = 0.001  # the finest that may be requested, of the wall alone: it shows what accuracy costs
+FINE = 0.001  # the finest accuracy that may be requested; for the wall alone, to show the cost of accuracy
 SCENES = (
     "two_pads", "trilith", "slab_four_corners", "flat_arch", "two_blocks", "stack_bond_wall", "arch_spreading", "arch_settling",
     "arch_diagonal", "vault_spreading", "ferris_tin_loi_1", "ferris_tin_loi_2", "wall_third",
 )  # fmt: skip
-COARSE = ("computed",)  # known to a per cent only: no error is told, but for arches, whose value has five digits
+COARSE = ("computed",)  # values known to one per cent only: no error is stated, except for arches, whose values have five digits
 FIVE_DIGITS = 1e-4
-WALL = "wall_third"  # whose cost is compared between accuracies
+WALL = "wall_third"  # the scene whose cost is compared between accuracies
 INTRODUCTION = (
     "# What a requested accuracy costs, and whether it is kept",
     "",
@@ -49,12 +49,12 @@ HEAD = ("scene", "asked", "limit analysis: error", "estimated", "s", "YADE: erro
 
 
 def accuracies(name: str) -> tuple[float, ...]:
-    """Accuracies requested of a scene."""
+    """Return the accuracies requested of a scene."""
     return (*ACCURACIES, FINE) if name == WALL else ACCURACIES
 
 
 def measured(name: str, accuracy: float, folder: Path, narration: Narration) -> list[str]:
-    """Cells of one row."""
+    """Run a scene at one accuracy and return the cells of its row."""
     scene = with_accuracy(shipped(name), accuracy)
     summary = one_scene.run_scene(scene, folder / f"{name}-{accuracy}", narration, with_yade=True)
     expected, bought, yade = scene.expected, summary["accuracy"], summary["yade"] or {}
@@ -72,25 +72,25 @@ def measured(name: str, accuracy: float, folder: Path, narration: Narration) -> 
 
 
 def page(rows: list[list[str]], facts: str) -> str:
-    """The whole page as Markdown. rows: cells as `measured` gives them; facts: machine and versions in a line."""
+    """Return the page as Markdown. rows: cells from `measured`; facts: machine and versions in a line."""
     lines = [*INTRODUCTION, facts, "", marked("conclusions", conclusions(rows)), "", f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
     return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in rows)]) + "\n"
 
 
 def stored_page(path: Path) -> str:
-    """The page as its own table has it: nothing is run."""
+    """Return the page, written again from its own table. Nothing is run."""
     text = path.read_text(encoding="utf-8")
     (facts,) = re.findall(r"^python \d.*$", text, re.MULTILINE)
     return page(stored_rows(text), facts)
 
 
 def stored_rows(text: str) -> list[list[str]]:
-    """Cells of every row of the page's table."""
+    """Return the cells of every row of the page's table."""
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| `")]
 
 
 def conclusions(rows: list[list[str]]) -> str:
-    """What follows from the rows, as a list."""
+    """Return the conclusions from the rows, as a list."""
     missed = [f"{row[0]} at {row[1]}" for row in rows if not is_kept(row)]
     kept = f"Missed by {listed(missed)}." if missed else "No error and no estimate is larger than the accuracy requested."
     lines = [f"{len(rows)} runs of {len({row[0] for row in rows})} scenes. {kept}"]
@@ -106,12 +106,12 @@ def conclusions(rows: list[list[str]]) -> str:
 
 
 def is_kept(row: list[str]) -> bool:
-    """Whether errors and estimates of both methods are within what was requested."""
+    """Return True if the errors and estimates of both methods are within the requested accuracy."""
     return all(as_number(row[k]) <= as_number(row[1]) for k in (2, 3, 5, 6) if row[k] != DASH)
 
 
 def as_number(cell: str) -> float:
-    """A cell's number, in per cent or seconds."""
+    """Return a cell's number, in per cent or seconds."""
     return float(cell.removesuffix(" %"))
 
 
@@ -120,7 +120,7 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # the measured times leave out figures
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         rows = [measured(name, accuracy, Path(folder), narration) for name in options.scenes for accuracy in accuracies(name)]
     text = page(rows, ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck"))

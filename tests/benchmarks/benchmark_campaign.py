@@ -1,12 +1,12 @@
-"""What a large campaign on a Dask cluster costs beside its cases, and what it loses when parts of the cluster die.
+"""Overhead of a large campaign on a Dask cluster, and the cases that it loses when parts of the cluster die.
 
     python tests/benchmarks/benchmark_campaign.py -o comparison/gallery [--cases 1000] [--workers 8]
 
-Cases are `two_pads` by limit analysis alone, each with its own friction and density: they are so short that the work around them shows.
-The cluster loses a worker and then its scheduler; the same command then goes on with a new cluster. Writes campaigns.md.
+Each case is `two_pads` by limit analysis alone, with its own friction and density. The cases are so short that the overhead shows.
+The cluster loses a worker and then its scheduler. The same command then goes on with a new cluster. Writes campaigns.md.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import csv
 import os
@@ -27,13 +27,13 @@ from comparison import provenance
 ROOT = Path(__file__).parents[2]
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
 TICKS = os.sysconf("SC_CLK_TCK")
-LOST_WORKER, LOST_SCHEDULER = 0.25, 0.5  # of the cases: done when a worker and when the scheduler is killed
-TOLD = 1.0  # s between two looks at processes
+LOST_WORKER, LOST_SCHEDULER = 0.25, 0.5  # shares of the cases that are finished when a worker and the scheduler are killed
+TOLD = 1.0  # s between two samples of the processes
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """A Dask scheduler and its workers, each a process of its own."""
+    """A Dask scheduler and its workers, each in its own process."""
 
     address: str
     scheduler: subprocess.Popen
@@ -64,16 +64,16 @@ def _dask(module: str, *options: str) -> subprocess.Popen:
 
 @dataclass
 class Watched:
-    """What one call of the campaign took.
+    """Time and memory of one call of the campaign.
 
     Attributes
     ----------
     seconds : float
-        Time by the clock.
+        Wall time.
     campaign, scheduler : float
         Processor seconds of the campaign's process and of the scheduler.
     campaign_memory, scheduler_memory, scheduler_at_start : float
-        Largest memory of both, and the scheduler's after the first second, MiB.
+        Peak memory of both processes, and the scheduler's after the first second, MiB.
     code : int
         Exit code.
     """
@@ -88,19 +88,19 @@ class Watched:
 
 
 def processor_seconds(process: int) -> float:
-    """Processor time of a process, its own and the system's for it; without its children."""
+    """Return the processor time of a process, user and system, without its children, s."""
     fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / TICKS
 
 
 def memory(process: int) -> float:
-    """Largest memory of a process so far, MiB."""
+    """Return the peak memory of a process so far, MiB."""
     line = next(line for line in Path(f"/proc/{process}/status").read_text().splitlines() if line.startswith("VmHWM"))
     return int(line.split()[1]) / 1024.0
 
 
 def campaign_file(folder: Path, cases: int) -> Path:
-    """Write a campaign of so many cases, or a few more."""
+    """Write a campaign of at least `cases` cases, at most a few more."""
     across = max(1, round(cases**0.5))
     frictions = ", ".join(f"{0.2 + 0.8 * k / across:.6f}" for k in range(across))
     densities = ", ".join(f"{1800.0 + k:.1f}" for k in range(-(-cases // across)))
@@ -119,7 +119,7 @@ def done(out: Path) -> int:
 
 
 def run(path: Path, out: Path, cluster: Cluster, cases: int, kill: bool) -> Watched:
-    """Run a campaign and watch its processes; `kill`: a worker dies after LOST_WORKER of the cases, the scheduler after LOST_SCHEDULER."""
+    """Run a campaign and watch its processes. `kill`: a worker dies after LOST_WORKER of the cases, the scheduler after LOST_SCHEDULER."""
     command = [sys.executable, "-m", "comparison", "campaign", str(path), "-o", str(out), "-q", "--scheduler", cluster.address]
     start, watched = time.monotonic(), Watched()
     before = processor_seconds(cluster.scheduler.pid)
@@ -137,7 +137,7 @@ def run(path: Path, out: Path, cluster: Cluster, cases: int, kill: bool) -> Watc
 
 
 def _look(watched: Watched, process: int, cluster: Cluster, before: float) -> None:
-    """Take down times and memory of the processes that still run."""
+    """Record times and memory of the processes that still run."""
     try:
         watched.campaign, watched.campaign_memory = processor_seconds(process), memory(process)
         watched.scheduler, watched.scheduler_memory = processor_seconds(cluster.scheduler.pid) - before, memory(cluster.scheduler.pid)
@@ -146,19 +146,19 @@ def _look(watched: Watched, process: int, cluster: Cluster, before: float) -> No
 
 
 def rows(out: Path) -> list[dict[str, str]]:
-    """Rows of a campaign's table."""
+    """Return the rows of a campaign's table."""
     with (out / "results.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
 def case_seconds(out: Path) -> float:
-    """Mean seconds of a case by the clock of its worker, with reading and writing."""
+    """Return the mean wall time of a case in its worker, with reading and writing, s."""
     with (out / "costs.csv").open(encoding="utf-8", newline="") as file:
         return mean(float(row["seconds"]) for row in csv.DictReader(file))
 
 
 def page(calls: dict[str, tuple[Watched, int]], workers: int, seconds: float) -> str:
-    """Return the page. calls: what each call took, and the cases it finished; seconds: mean time of a case."""
+    """Return the page. calls: cost of each call and the number of cases it finished; seconds: mean time of a case."""
     head = [
         "call",
         "cases",
@@ -195,7 +195,7 @@ they can serve: with cases of a minute each, some {round(60.0 / max(_dearest(cal
 
 
 def _dearest(calls: dict[str, tuple[Watched, int]]) -> float:
-    """Processor seconds a case of the busier process of the two, in the call that was not disturbed."""
+    """Return the processor seconds per case of the busier of the two processes, in the undisturbed call."""
     call, cases = list(calls.values())[-1]
     return max(call.campaign, call.scheduler) / cases
 

@@ -1,8 +1,8 @@
-"""Which mistakes a verdict notices: `.venv/bin/python tests/benchmarks/benchmark_detection.py`.
+"""The mistakes that a verdict notices: `.venv/bin/python tests/benchmarks/benchmark_detection.py`.
 
-Runs random scenes by both methods, each also with one mistake of mistakes.py. The judge then compares limit analysis of the right scene
-with YADE of the wrong one, and the other way round. Writes comparison/gallery/detection.md with its record. What the record holds is not
-run again; `--page` writes the page from the record alone.
+Runs random scenes by both methods, without a mistake and with each mistake of mistakes.py. The judge then compares limit analysis of the
+right scene with YADE's run of the wrong scene, and limit analysis of the wrong scene with YADE's run of the right scene. Writes
+comparison/gallery/detection.md and its record. Scenes in the record are not run again; `--page` writes the page from the record alone.
 """
 
 import argparse
@@ -39,10 +39,10 @@ from la_core.scene import Scene, build
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "detection.md"
 SEED, SCENES = 20261132, 30
-LEAST = 0.01  # of the weight: smaller reactions count as this
-KNOWN = 0.01  # of the reaction: a larger uncertainty leaves open how much a mistake changes
-STEPS = (0.0, 0.005, 0.01, 0.02, 0.05, np.inf)  # of the reaction: classes of changes
-DIGITS = 9  # of a change: a prediction that is 1 % too large counts as 1 %
+LEAST = 0.01  # share of the weight; smaller reactions count as this share
+KNOWN = 0.01  # share of the reaction; with a larger uncertainty the change by a mistake is unknown
+STEPS = (0.0, 0.005, 0.01, 0.02, 0.05, np.inf)  # shares of the reaction: bounds of the classes of changes
+DIGITS = 9  # decimals of a change: rounding counts a prediction that is 1 % too large as 1 %
 TIME_LIMIT = 300.0  # s of wall time of a run in YADE
 FACTORS = {f"prediction {percent} % too large": 1.0 + percent / 100.0 for percent in (1, 2, 5)}
 NONE, REFUSED = "none", "refused"  # no mistake; the judge refuses to compare two structures
@@ -101,7 +101,7 @@ def _run(scene: Scene, folder: Path) -> Results:
 
 
 def _wrong_predictions(right: Results, weight: float) -> Iterator[Entry]:
-    """Yield the verdicts on a prediction that is too large, all else being right: a wrong method and not a wrong model."""
+    """Yield the verdicts on predictions that are too large. The value alone is wrong: the method errs, and the model is right."""
     coulomb, value = right.analysis.coulomb, _prediction(right.analysis, weight)
     for name, factor in FACTORS.items() if coulomb and value and right.run else ():
         wrong = with_answers(right.analysis, coulomb=dataclasses.replace(coulomb, value=factor * coulomb.value))
@@ -110,7 +110,7 @@ def _wrong_predictions(right: Results, weight: float) -> Iterator[Entry]:
 
 
 def _judged(analysis: LimitAnalysis, folder: Path) -> Entry:
-    """Return the verdict on limit analysis of one scene and YADE's run of another one, and the first check that decides it."""
+    """Return the verdict on limit analysis of one scene and YADE's run of another scene, and the first check that decides it."""
     try:
         run = read_run(folder / "run.h5", analysis.assembly)
     except ExchangeError as error:
@@ -126,7 +126,7 @@ def _verdict(results: Results) -> Entry:
 
 
 def _prediction(analysis: LimitAnalysis, weight: float) -> list[float] | None:
-    """Value and uncertainty over the weight of the right scene; None where unknown."""
+    """Return value and uncertainty over the weight of the right scene; None where unknown."""
     answer = analysis.coulomb
     if answer is None or not np.isfinite([answer.value, answer.uncertainty]).all():
         return None
@@ -134,7 +134,7 @@ def _prediction(analysis: LimitAnalysis, weight: float) -> list[float] | None:
 
 
 def change(entry: Entry) -> float | None:
-    """Return the change of the reaction by the mistake, as a share; None where it is not known to KNOWN."""
+    """Return the relative change of the reaction by the mistake; None where a prediction is missing or its uncertainty exceeds KNOWN."""
     right, wrong = entry.get("right_value"), entry.get("wrong_value")
     if not (right and wrong):
         return None
@@ -153,7 +153,7 @@ def counts(entries: list[Entry]) -> list[str]:
 
 
 def page(entries: list[Entry]) -> str:
-    """Return the page: what was found, a row for each mistake, and the mistakes that passed although they change much."""
+    """Return the page: the findings, a row for each mistake, and the large mistakes that passed."""
     plain = [entry for entry in entries if entry["mistake"] == NONE]
     pairs = sum(entry["wrong"] in METHODS for entry in entries)
     wrong = [entry for entry in entries if change(entry) is not None]
@@ -195,7 +195,7 @@ def page(entries: list[Entry]) -> str:
 
 
 def main() -> None:
-    """Run what the record does not hold, and write the page."""
+    """Run the scenes that the record lacks, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=SCENES, help="number of scenes (default: %(default)s)")
     parser.add_argument("--workers", type=int, default=1, help="processes (default: %(default)s)")

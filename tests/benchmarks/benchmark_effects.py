@@ -1,12 +1,12 @@
-"""What each effect costs where it is on, and what is left where it is off, measured side by side.
+"""Cost of each effect in YADE, where it is on and where it is off, measured in turn.
 
     python tests/benchmarks/benchmark_effects.py [--blocks N] [--steps N]
 
-In YADE: a running-bond wall of about N blocks over a settling base, its steps timed in the plane and in 3D, with small and finite
-displacements, in turn, best of several rounds; a small wall is run to its end for what recording costs.
+Times the steps of a running-bond wall of about N blocks over a settling base, in the plane and in 3D, with small and finite displacements.
+The variants take turns, and the best of several rounds counts. A small wall is run to its end for the cost of recording.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import itertools
 import json
@@ -26,9 +26,9 @@ from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import Scene
 
-SPLIT = 0.66  # of the base's length stays; no upright joint stands over the end of it, so that displacements may be small
+SPLIT = 0.66  # share of the base's length that stays; no upright joint lies above its end, so that displacements may be small
 BLOCK = (0.4, 0.2, 0.2)  # m
-ROUNDS = 3  # over all variants in turn: a load that comes and goes on the machine then touches all alike
+ROUNDS = 3  # over all variants in turn, so that a passing load on the machine slows all variants alike
 SMALL_WALL = (4, 6)  # blocks per course, courses; run to its end
 TIME_LIMIT = 600.0  # s
 COST = Path(__file__).parent / "yade_cost.py"
@@ -52,14 +52,14 @@ class Variant:
 
 
 def write(scene: Scene, folder: Path) -> Path:
-    """The folder's case.h5, written."""
+    """Write case.h5 of a scene into a new folder and return its path."""
     folder.mkdir()
     write_case(folder / "case.h5", analyse(scene), "benchmark")
     return folder / "case.h5"
 
 
 def in_yade(script: Path, *arguments: object) -> dict[str, Any]:
-    """What a script says, as JSON in its last line, that runs in YADE's interpreter, in a process of its own."""
+    """Run a script in YADE's interpreter, in its own process, and return the JSON of its last line."""
     yade = installation.find_yade()
     environment = {**installation.yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(part) for part in (yade.python, "-s", script, *arguments)]
@@ -69,7 +69,7 @@ def in_yade(script: Path, *arguments: object) -> dict[str, Any]:
 
 
 def yade_rows(blocks: int, steps: int, folder: Path) -> dict[Variant, dict[str, Any]]:
-    """Cost of every variant of a wall of about so many blocks."""
+    """Return the cost of every variant of a wall of about `blocks` blocks."""
     courses = round(blocks**0.5)
     per_course = round(blocks / courses)
     variants = [Variant(plane, displacement) for plane, displacement in itertools.product((True, False), ("small", "finite"))]
@@ -79,7 +79,7 @@ def yade_rows(blocks: int, steps: int, folder: Path) -> dict[Variant, dict[str, 
 
 
 def recording_rows(folder: Path) -> dict[str, tuple[Run, int]]:
-    """A small wall run to its end, its states recorded all along and on the plateau alone: the run and the bytes of run.h5."""
+    """Run a small wall to its end, with states recorded throughout or on the plateau alone. Return each run and the bytes of its run.h5."""
     found = {}
     for recording in ("states", "plateau"):
         scene = Variant(True, "small", recording).scene(*SMALL_WALL)
@@ -91,7 +91,7 @@ def recording_rows(folder: Path) -> dict[str, tuple[Run, int]]:
 
 
 def yade_table(rows: dict[Variant, dict[str, Any]]) -> Table:
-    """One row a variant; the last columns say what recording adds to a run over its full travel."""
+    """One row per variant; the last columns state the cost of recording and its share of the time of a run over its full travel."""
     table = Table(title="YADE: cost of a step and of what is recorded; recording: of the time of a run over its full travel")
     heads = (
         "effects",
@@ -123,7 +123,7 @@ def yade_table(rows: dict[Variant, dict[str, Any]]) -> Table:
 
 
 def recording_table(rows: dict[str, tuple[Run, int]]) -> Table:
-    """One row a kind of recording."""
+    """One row per kind of recording."""
     table = Table("recording", "status", "R, N", "seconds", "states", "bytes of run.h5", title="YADE: a small plane wall run to its end")
     for name, (run, size) in rows.items():
         states = len(run.poses.settlement)

@@ -1,13 +1,13 @@
-"""What each effect costs limit analysis where it is on, and what is left where it is off, measured side by side in one run.
+"""Cost of each effect in limit analysis, where it is on and where it is off, measured in turn in one run.
 
     python tests/benchmarks/benchmark_effects_limit.py [--blocks N] [--voussoirs N]
 
-plane: both bounds of a running-bond wall of about N blocks. friction: all of limit analysis of an arch of which no joint slides.
-elasticity: a small wall's plateau against the curve to it. reach: a long facade of which one end settles. CPU seconds, the best of
-several rounds over all variants in turn; solver: those of the cone programmes alone.
+plane: both bounds of a running-bond wall of about N blocks. friction: the whole limit analysis of an arch whose joints do not slide.
+elasticity: a small wall's plateau alone, and the path to it. reach: a long facade with one settling end. Times are CPU seconds, the best of
+several rounds over all variants in turn; *solver* counts the cone programmes alone.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import time
 from collections.abc import Callable
@@ -24,15 +24,15 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
 ROUNDS = 3
-LONG = 20.0  # s: what takes longer is measured once
+LONG = 20.0  # s; a longer solution is measured once
 BLOCK = (0.4, 0.2, 0.2)  # m
 FACADE = (60, 8)  # blocks per course, courses
-END = 2.4  # m of the facade that settle
+END = 2.4  # m, length of the facade's settling end
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One choice of one effect: what is solved, what it takes, and what it comes to, over the weight."""
+    """One choice of one effect, and the function that solves a scene with it."""
 
     effect: str
     choice: str
@@ -49,14 +49,14 @@ class Answer:
 
 
 def bounds(scene: Scene) -> Answer:
-    """Least and greatest reaction alone."""
+    """Solve for the least and greatest reaction alone."""
     assembly = assemble(scene)
     least, greatest = (solve_associated(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING))
     return Answer(assembly, least.value / scene.weight, least.seconds + greatest.seconds)
 
 
 def everything(scene: Scene) -> Answer:
-    """Bounds and prediction, rounded and sharp."""
+    """Solve for bounds and prediction, with inset and sharp."""
     analysis = analyse(scene)
     solutions = [*analysis.bounds.values(), *analysis.sharp.bounds.values(), analysis.coulomb, analysis.sharp.coulomb, analysis.path]
     solver = sum(one.seconds for one in {id(one): one for one in solutions if one is not None}.values())
@@ -65,7 +65,7 @@ def everything(scene: Scene) -> Answer:
 
 
 def variants(blocks: int, voussoirs: int) -> list[Variant]:
-    """Every effect with and without."""
+    """Return all choices of every effect."""
     courses = round(blocks**0.5)
     per_course = round(blocks / courses)
     parts = scenes.wall(per_course, courses, 0.66 * BLOCK[0] * per_course, BLOCK)
@@ -93,7 +93,7 @@ def variants(blocks: int, voussoirs: int) -> list[Variant]:
 
 
 def measure(found: list[Variant]) -> list[tuple[Variant, Answer, float]]:
-    """Variant, answer with its best solver seconds, and best CPU seconds; what takes long is measured once."""
+    """Return each variant, its answer with the least solver seconds, and the least CPU seconds. Long solutions are measured once."""
     best, solver = [float("inf")] * len(found), [float("inf")] * len(found)
     answers: list[Answer] = []
     for turn in range(ROUNDS):
@@ -108,7 +108,7 @@ def measure(found: list[Variant]) -> list[tuple[Variant, Answer, float]]:
 
 
 def listing(rows: list[tuple[Variant, Answer, float]]) -> Table:
-    """One row a variant; ratios are to the cheapest of its effect."""
+    """One row per variant; ratios are to the cheapest choice of the same effect."""
     table = Table(title="Limit analysis: what an effect costs, in seconds and over the cheapest choice")
     for head in ("effect", "modelled", "free blocks", "unknowns", "contact points", "R/W", "solver", "ratio", "total", "ratio"):
         table.add_column(head, justify="right")

@@ -1,9 +1,9 @@
-"""How well a run of YADE tells at its start how long it will take: the time that it first states, over the time that it took.
+"""Accuracy of YADE's forecast of its run time: the time that a run first states, over the time that it took.
 
     python tests/benchmarks/benchmark_forecast.py [--seed N] [--size X] [--scenes N ...]
 
-The scenes are the random ones of verdict_scenes.py. A run that ends before it has timed its steps states nothing. Other work on the
-machine that begins or ends during a run changes its pace, and so the ratio.
+The scenes are the random scenes of verdict_scenes.py. A run that ends before it has timed its steps states no time. Other work on the
+machine that begins or ends during a run changes its pace, and therefore the ratio.
 """
 
 import argparse
@@ -23,14 +23,14 @@ from comparison.workflow import run_scene
 
 
 class Watch(Narration):
-    """A silent listener that keeps the times of one run of YADE: what each attempt first states, and when it ended.
+    """A silent listener that keeps the times of one run of YADE: the first forecast of each attempt, and the last report.
 
     Attributes
     ----------
     stated : dict of int to (float, float)
-        By attempt: when it first stated a time, and the end that follows from it; s after YADE has loaded.
+        By attempt: the time of its first forecast, and the end that it forecasts; s after YADE has loaded.
     ended : float
-        When the last report came, s after YADE has loaded; a run ends about a quarter of a second later at most.
+        Time of the last report, s after YADE has loaded. A run ends at most about a quarter of a second later.
     attempts : int
         Number of attempts.
     """
@@ -44,7 +44,7 @@ class Watch(Narration):
         self.ended, self.attempts, self._began = 0.0, 0, time.monotonic()
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Keep what the report states; a scene may be run again with other settings, and the last run counts."""
+        """Keep the times of a report. A scene may be run again with other settings; the last run counts."""
         super().progress(scene, report)
         if report["stage"] == "loaded":
             self._start()
@@ -58,7 +58,7 @@ class Watch(Narration):
         return self.stated[1][1] / self.ended if 1 in self.stated else None
 
     def of_last(self) -> float | None:
-        """Return the same for the rest of the last attempt."""
+        """Return the ratio for the last attempt from its first forecast to its end; None where it stated none."""
         if self.attempts not in self.stated:
             return None
         told, end = self.stated[self.attempts]

@@ -1,16 +1,16 @@
-"""Accuracy and cost of the Coulomb prediction: its stated uncertainty against viscosities and steps ten times finer.
+"""Accuracy and cost of the Coulomb prediction: its stated uncertainty, compared with a reference of ten times finer viscosities and steps.
 
     python tests/benchmarks/benchmark_friction.py [--quick] [--large] [--verbose] [-o RECORD.json]
     python tests/benchmarks/benchmark_friction.py --smooth
     python tests/benchmarks/benchmark_friction.py --write
 
-Running-bond walls, sharp edges, a third or half of the base settles. Every wall is predicted with the default viscosities,
-with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value. --smooth adds to the record
-in the gallery how every wall is predicted with the smooth joints of large structures. --write runs nothing: it writes the tables and the
-figure of the page friction.md from the record in the gallery.
+The structures are running-bond walls with sharp edges. A third or half of the base settles. Every wall is predicted with the default
+viscosities, with coarser viscosities, and with those of the reference. The record holds every value. --smooth adds the predictions with
+the smooth joints of large structures to the record in the gallery. --write runs nothing: it writes the tables and the figure of the page
+friction.md from the record in the gallery.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import itertools
 import os
@@ -32,7 +32,7 @@ from la_core.limit import Drive, solve_associated
 from la_core.model import assemble, joint_stiffness
 
 WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8))  # blocks per course, courses
-LARGE_WALLS = ((16, 10), (20, 12))  # half a minute each, two by the reference
+LARGE_WALLS = ((16, 10), (20, 12))  # half a minute each, two minutes with the reference's settings
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
 SETTINGS = {
@@ -50,7 +50,7 @@ def run(case: Case) -> Result:
 
 
 def run_smooth(recorded: Result) -> Result:
-    """Add to a wall's record its prediction with smooth joints, which no wall here is large enough to need."""
+    """Add to a wall's record its prediction with smooth joints. No wall here is large enough to get them by default."""
     with mock.patch.object(prediction, "LARGE", 0.0):
         return replace(recorded, runs=recorded.runs | predictions(recorded.case, {SMOOTH: SETTINGS[DEFAULT]}))
 
@@ -77,14 +77,14 @@ def predictions(case: Case, settings: dict[str, PredictionSettings]) -> dict[str
 
 
 def cases(quick: bool, large: bool = False) -> Iterator[Case]:
-    """All walls but the large ones; a handful of small ones if quick, and the large ones, too, if large."""
+    """Yield all walls except the large ones. quick: a few small walls instead; large: the large walls, too."""
     walls = WALLS[:4] if quick else WALLS + (LARGE_WALLS if large else ())
     for (per_course, courses), friction, part in itertools.product(walls, (0.3, 0.6) if quick else FRICTION, PARTS):
         yield Case(per_course, courses, friction, per_course // part)
 
 
 def run_all(calls: Iterable[tuple[Callable[[Any], Result], Any]], workers: int, console: Console, record: Path | None) -> list[Result]:
-    """Make calls, each a function and its argument, in their own processes, and write the record after each; results in their order."""
+    """Make calls, each a function and its argument, in several processes. Write the record after each. Results have the calls' order."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with ProcessPoolExecutor(workers) as pool, Progress(*columns, console=console) as progress:
         futures = [pool.submit(*call) for call in calls]

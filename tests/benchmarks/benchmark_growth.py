@@ -1,15 +1,16 @@
-"""How time and memory grow with the number of blocks: limit analysis, associated and Coulomb, and YADE, in the plane and in 3D.
+"""Growth of time and memory with the number of blocks: limit analysis, associated and Coulomb, and YADE, in the plane and in 3D.
 
     python tests/benchmarks/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...] [--before RECORD VERSION]
 
-Running-bond walls, as many courses as blocks per course, a third of the base settling, all blocks modelled. Every size in a process of
-its own, small ones first. Writes growth.md and growth.png at the end, also where it is interrupted, and growth.json after every size:
---resume measures what that lacks. --before keeps the measurements that an earlier version made of itself, and the page shows both.
-CPU seconds, the best of several where one is quick; build: scene, contacts, assembly, matrices; solver: set-up and solution of cone
-programmes, and steps of the paths; rest: evidence and all else.
+The structures are running-bond walls with as many courses as blocks per course. A third of the base settles. All blocks are modelled,
+except that a whole analysis ("all of") leaves out blocks beyond the reach. Each size runs in its own process, small sizes first. Writes
+growth.json after every size, and growth.md and growth.png at the end or when interrupted. --resume measures the sizes that growth.json
+lacks. --before adds the measurements that an earlier version made of itself, and the page shows both. Times are CPU seconds, the best of
+several where one is quick. build: scene, contacts, assembly, matrices; solver: set-up and solution of cone programmes, and steps of the
+paths; rest: evidence and all else.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 import os
@@ -56,10 +57,10 @@ SIZES: dict[tuple[str, str], tuple[int, ...]] = {
 }
 OVERHEAD_SCENES = {"arch_spreading": "plane", "wall_third": "plane", "corner_settling_end": "3D"}
 QUICK = 130  # blocks of the largest size, with --quick
-DRIVER_ORDER = 100  # place of the driver's measurements among the sizes
-ROUNDS = 2  # of a run with the driver and one without
+DRIVER_ORDER = 100  # size by which the driver's measurements are sorted among the others
+ROUNDS = 2  # each round: a run with the driver and a run without it
 REPEATS, ENOUGH = 5, 2.0  # times one size is solved; seconds after which it is not solved again
-STEPS = 100_000  # of YADE times blocks, timed to know what one step costs
+STEPS = 100_000  # number of timed steps of YADE times number of blocks
 SOLVER = {
     "conversion": (conic.Programme, "__init__"),
     "solve": (conic.Programme, "solve"),
@@ -82,7 +83,7 @@ PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
 
 def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
-    """Limit analysis of one wall: the least reaction by the associated law, or that and the Coulomb prediction."""
+    """Solve one wall by limit analysis: the least reaction by the associated law and, for "Coulomb", also the prediction."""
     scene = scale.wall(size, plane)
     model = assembly.assemble(scene)
     bound = associated.solve_associated(model, Drive.YIELDING)
@@ -93,14 +94,14 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
 
 
 def whole_analysis(method: str, plane: bool, size: int) -> dict[str, Any]:
-    """What the program does with such a scene: both bounds, with inset and sharp, and both predictions where friction asks for them."""
+    """Run the program's limit analysis of one wall: both bounds, with inset and sharp, and both predictions where friction needs them."""
     scene = scale.wall(size, plane, model=method.removeprefix("all of ").casefold())
     analysis = stage.analyse(scene)
     return {"blocks": len(scene.blocks), "status": (analysis.coulomb or analysis.bounds[analysis.main]).status.value}
 
 
 def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
-    """Seconds by part and peak memory of limit analysis; the best of several."""
+    """Return seconds by part and peak memory of limit analysis, from the fastest of several solutions."""
     before, best = peak_memory(), None
     work, totals = whole_analysis if method.startswith("all of") else one_answer, []
     while len(totals) < REPEATS and sum(totals) <= ENOUGH:
@@ -117,19 +118,19 @@ def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
 
 
 def written(scene: Scene, folder: Path) -> Path:
-    """case.h5 of a scene."""
+    """Write case.h5 of a scene and return its path."""
     write_case(folder / "case.h5", stage.analyse(scene), "growth")
     return folder / "case.h5"
 
 
 def yade_step(plane: bool, size: int, folder: Path) -> dict[str, Any]:
-    """One step of the settlement."""
+    """Return the cost of one step of the settlement, ms."""
     found = effects.in_yade(effects.COST, written(scale.wall(size, plane, reach=False), folder), max(200, STEPS // size))
     return {name: found[name] for name in ("blocks", "spheres", "build")} | {"step": 1e3 * found["step"]}
 
 
 def yade_verdict(plane: bool, size: int, folder: Path) -> dict[str, Any]:
-    """A whole run to its plateau; seconds are those of the whole process."""
+    """Return the cost of a whole run to its plateau. The seconds are those of the whole process."""
     found = effects.in_yade(PROTOCOL_COST, written(scale.wall(size, plane, reach=False), folder), "--verdict")
     kept = {name: found[name] for name in ("blocks", "steps", "status")}
     run, watching = found["protocol"][0], found["watching"][0]
@@ -138,7 +139,7 @@ def yade_verdict(plane: bool, size: int, folder: Path) -> dict[str, Any]:
 
 
 def overhead(name: str, folder: Path) -> dict[str, Any]:
-    """The driver against a bare loop of as many steps over the same bodies, in turn in one process."""
+    """Compare the driver with a bare loop of as many steps over the same bodies, in turn in one process."""
     found = effects.in_yade(PROTOCOL_COST, written(scenes.shipped(name), folder), "--rounds", ROUNDS)
     bare = found["bare"]
     over = [with_driver / without - 1.0 for with_driver, without in zip(found["protocol"][1:], bare, strict=True)]
@@ -154,7 +155,7 @@ def overhead(name: str, folder: Path) -> dict[str, Any]:
 
 
 def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
-    """The measurement of one entry."""
+    """Return the measurement of one entry."""
     with tempfile.TemporaryDirectory() as folder:
         if method == "driver":
             return overhead(dimension, Path(folder))
@@ -169,7 +170,7 @@ def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
 
 
 def markdown(record: dict[str, Any]) -> str:
-    """The page of a record: exponents first, then what they were fitted to, an earlier version, shares and the driver's overhead."""
+    """Return the page of a record: conclusions, exponents, an earlier version, the measurements, and the driver's overhead."""
     measured, machine = record["measured"], record["machine"]
     series = by_series(measured)
     command = __doc__.split("\n\n")[1].strip()
@@ -205,13 +206,13 @@ def markdown(record: dict[str, Any]) -> str:
 
 
 def share(one: dict[str, Any], part: str) -> Any:
-    """A part of a measurement as the page shows it: shares in per cent."""
+    """Return a part of a measurement for the page, shares in per cent."""
     value = one.get(part)
     return f"{value:.1%}" if part in ("outside", "watched", "overhead", "least", "most", "constant") and value is not None else value
 
 
 def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict[str, Any]]]:
-    """Measurements by method and dimension, as they were asked for."""
+    """Return the measurements by method and dimension, in the order of SIZES."""
     found: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for key in SIZES:
         mine = sorted((one for one in measured if (one["method"], one["dimension"]) == key), key=lambda one: one["blocks"])
@@ -220,7 +221,7 @@ def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict
 
 
 def this_machine() -> str:
-    """Machine and versions in a line."""
+    """Return machine and versions in a line."""
     made = provenance.describe() | {"YADE": installation.find_yade().version}
     return f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
 
@@ -237,12 +238,12 @@ def store(record: dict[str, Any], folder: Path) -> None:
 
 
 def stored_page(folder: Path) -> str:
-    """The page as its record has it: nothing is measured."""
+    """Return the page of the stored record. Nothing is measured."""
     return markdown(stored(folder))
 
 
 def write(record: dict[str, Any], folder: Path) -> None:
-    """The page and the figure of what was measured."""
+    """Write the page and the figure of a record."""
     (folder / "growth.md").write_text(markdown(record), encoding="utf-8")
     series = by_series(record["measured"])
     answers = {key: many for key, many in series.items() if key[0] in ("associated", "Coulomb", "YADE")}
@@ -256,7 +257,7 @@ def write(record: dict[str, Any], folder: Path) -> None:
 
 
 def main() -> None:
-    os.environ["OMP_NUM_THREADS"] = "1"  # for the processes started from here: idle threads would count as work
+    os.environ["OMP_NUM_THREADS"] = "1"  # for the processes started here, because idle threads would count as work
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     parser.add_argument("--quick", action="store_true", help=f"no more than {QUICK} blocks")
@@ -281,7 +282,7 @@ def main() -> None:
     asked = [(method, dimension, size) for (method, dimension), sizes in SIZES.items() for size in sizes]
     asked += [("driver", name, DRIVER_ORDER) for name in OVERHEAD_SCENES]
     try:
-        for method, dimension, size in sorted(asked, key=lambda one: one[2]):  # what is broken off then has all smaller sizes
+        for method, dimension, size in sorted(asked, key=lambda one: one[2]):  # an interrupted run then has all smaller sizes
             key = {"method": method, "dimension": dimension, "asked": size}
             wanted = method in options.methods and not (options.quick and size > QUICK)
             if wanted and not any(key.items() <= one.items() for one in measured):

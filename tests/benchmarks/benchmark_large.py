@@ -1,11 +1,11 @@
-"""Large structures by both methods, to a verdict: what each method says and how long a user waits.
+"""Verdicts on large structures: the answers of both methods, and the time that a user waits.
 
     python tests/benchmarks/benchmark_large.py [--scenes NAME ...] [--threads N] [--folder DIR] [--record FILE]
 
 A scene that the record holds is not run again. `--page` writes the page from the record and runs nothing.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 import time
@@ -78,7 +78,7 @@ walls that led to these."""
 
 
 def wall_tables(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> dict[str, Any]:
-    """Scene file of a plane wall in running bond whose right third settles. size: of a block, m; more: keys of the wall."""
+    """Scene file of a plane running-bond wall whose right third settles. size: a block's length, depth, height, m; more: further keys."""
     length = per_course * size[0]
     footing = {"height": 0.3, "settling": [round(2.0 * length / 3.0, 3), length]}
     bond = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": list(size), "per_course": per_course, "courses": courses}
@@ -92,12 +92,12 @@ def wall_tables(size: tuple[float, float, float], per_course: int, courses: int,
 
 
 def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:
-    """The scene of `wall_tables`."""
+    """Build the scene of `wall_tables`."""
     return la_core.build(wall_tables(size, per_course, courses, **more), "large")
 
 
 def facade(per_course: int, courses: int, openings: list[Opening]) -> Scene:
-    """A brick facade with five windows and a door."""
+    """Build a brick facade with five windows and a door."""
     tables = [{"from": list(low), "to": list(high), "bearing": BRICK[0]} for low, high in openings]
     return wall(BRICK, per_course, courses, opening=tables)
 
@@ -122,7 +122,7 @@ SCENES |= {f"random {number}": partial(random_structure, number) for number in r
 
 
 def measured(name: str, threads: int, folder: Path) -> dict[str, Any]:
-    """Return the entry of one scene; reactions over the weight."""
+    """Run a scene and return its entry. Reactions are over the weight."""
     scene = same_structure(SCENES[name](), {"yade.threads": threads} if threads > 1 else {}, name.replace(" ", "_").replace(",", ""))
     start = time.perf_counter()
     with Narration(Console(stderr=True)) as narration:
@@ -178,7 +178,7 @@ def _row(entry: dict[str, Any]) -> list[str]:
 
 
 def main() -> None:
-    """Run what the record lacks, and write record and page after every scene."""
+    """Run the scenes that the record lacks. Write the record after every scene, and the page at the end."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", nargs="*", choices=list(SCENES), default=list(SCENES), help="names of scenes (default: all)")
     parser.add_argument("--threads", type=int, default=1, help="threads of YADE (default: 1)")

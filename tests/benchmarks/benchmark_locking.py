@@ -1,11 +1,11 @@
-"""Blocks that lock where their joints dilate: the prediction without a bound, beside YADE, on random scenes.
+"""Blocks that lock by the dilatancy of their joints: the prediction compared with YADE on random scenes without a bound.
 
     python tests/benchmarks/benchmark_locking.py [--seed N] [--scenes N]
 
-Scenes that have a bound are left out. Prints one line for each that has none and a prediction, and a summary.
+Scenes with a bound are left out. Prints one line for each scene that has a prediction and no bound, and a summary.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import tempfile
 from pathlib import Path
@@ -23,7 +23,7 @@ SEED, COUNT = 26, 150
 
 
 def main() -> None:
-    """Draw the scenes, run those that lock, and print what both methods say."""
+    """Draw the scenes, run the scenes that lock, and print the answers of both methods."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--scenes", type=int, default=COUNT)

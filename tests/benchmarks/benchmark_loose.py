@@ -1,12 +1,12 @@
-"""Light stones under heavy blocks that are pushed: the prediction beside YADE, on random scenes.
+"""Light stones under heavy blocks that are pushed: the prediction compared with YADE on random scenes.
 
     python tests/benchmarks/benchmark_loose.py [--seed N] [--scenes N]
 
-Of the scenes with such stones it runs those that come to rest only as the weights grow, or not at all. Prints one line for each,
-and a summary.
+Runs only scenes with such stones that do not come to rest under their full weight at once: they rest while the weights grow, or not at
+all. Prints one line for each scene, and a summary.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import tempfile
 from collections import Counter
@@ -30,7 +30,7 @@ KINDS = ("pinched", "corner")
 
 
 def main() -> None:
-    """Draw the scenes, run those whose stones slip at once, and print what both methods say."""
+    """Draw the scenes, run the scenes whose stones slip at once, and print the answers of both methods."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--scenes", type=int, default=COUNT)
@@ -56,7 +56,7 @@ def main() -> None:
 
 
 def _rests_at_once(analysis: LimitAnalysis) -> bool:
-    """Whether the blocks come to rest where all the weight acts at once."""
+    """Return True if the blocks come to rest where all the weight acts at once."""
     joints = ElasticJoints(analysis.assembly, analysis.stiffness)
     return rest_from(joints, Tangent(joints), State(0.0, np.zeros_like(joints.weights), joints.laid), 0.0)[0] is not None
 

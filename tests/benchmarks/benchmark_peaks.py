@@ -1,11 +1,11 @@
-"""Peaks of pushed walls on the way to their plateaus: the stated uncertainty beside a path with next to no drag.
+"""Peaks of the multiplier of pushed walls before their plateaus: the stated uncertainty compared with a path of almost no drag.
 
     python tests/benchmarks/benchmark_peaks.py [--walls N]
 
 Prints one line for each wall whose peak is known, and a summary.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import math
 
@@ -18,7 +18,7 @@ WALLS = 100
 
 
 def main() -> None:
-    """Push the walls along and aslant, and print their peaks."""
+    """Push the walls along their length and obliquely, and print their peaks."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--walls", type=int, default=WALLS)
     walls, pushed, shares, lifts, apart, costs = parser.parse_args().walls, 0, [], [], [], []

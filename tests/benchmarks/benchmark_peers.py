@@ -1,10 +1,10 @@
-"""Peers side by side in one run: our limit analysis against other solvers, and YADE against LMGC90.
+"""Our limit analysis compared with other solvers, and YADE with LMGC90, in one run.
 
     python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md [--time-limit S] [--only SCENE ...] [--commands]
 
-Needs `pip install -e '.[peers]'` and `pip install --no-deps compas_lmgc90`; what is missing has a row that says so. Every solver runs in a
-process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats. `--commands` measures whole
-commands alone, and keeps what the record has.
+Needs `pip install -e '.[peers]'` and `pip install --no-deps compas_lmgc90`; a missing solver has a row that says so. Every solver runs in
+its own process with one thread and a time limit. A JSON file beside the Markdown has all repeats. `--commands` measures whole commands
+alone, and keeps the rest of the record.
 """
 
 import argparse
@@ -27,14 +27,14 @@ from peers_report import page, versions
 from peers_scenes import SCENES
 from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record, restored
 
-PARTS: dict[str, type] = {"limit analysis": Row, "in time": Run, "whole commands": Command}  # of the record
+PARTS: dict[str, type] = {"limit analysis": Row, "in time": Run, "whole commands": Command}  # parts of the record
 COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
-TIME_LIMIT = 20.0  # s of the processor, for one solve
-COMMAND_LIMIT = 200  # s of the processor, for one command
+TIME_LIMIT = 20.0  # processor seconds of one solution
+COMMAND_LIMIT = 200  # processor seconds of one command
 
 
 def limit_rows(scene: str, limit: float) -> Iterator[Row]:
-    """All solvers on one scene."""
+    """Run all solvers on one scene."""
     for solver in peers_limit.SOLVERS:
         yield from rows_of(peers_limit.measure, Row(scene, solver, "–", LEAST_REACTION, FAILED), limit)
     for solver in peers_equilibrium.METHODS:
@@ -42,7 +42,7 @@ def limit_rows(scene: str, limit: float) -> Iterator[Row]:
 
 
 def rows_of(measure: Callable[..., Iterator[Row]], blank: Row, limit: float) -> list[Row]:
-    """The last state of each row that a solver has on a scene; the blank one with the reason where it has none."""
+    """Return the last state of each row of a solver on a scene, or the blank row with the reason where the solver gave none."""
     found: dict[str, Row] = {}
     try:
         for row in alone(measure, (blank.scene, blank.solver), limit):
@@ -56,7 +56,7 @@ def rows_of(measure: Callable[..., Iterator[Row]], blank: Row, limit: float) -> 
 
 
 def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
-    """Our prediction, YADE and LMGC90 on one scene."""
+    """Run our prediction, YADE and LMGC90 on one scene."""
     asked: list[tuple[Callable[..., Iterator[Run]], tuple, str, str]] = [
         (peers_dynamics.predict, (), "limit analysis", "inset"),
         (peers_dynamics.yade, (), "YADE", "derived settings"),
@@ -70,7 +70,7 @@ def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
 
 
 def commands(blocks: int) -> list[Command]:
-    """All methods in a whole command on one wall, repeated in turn."""
+    """Run all methods as whole commands on one wall, repeated in turn."""
     found = {method: Command(blocks, method) for method in peers_command.METHODS}
     for _ in range(peers_command.REPEATS):
         for method, one in found.items():
@@ -85,12 +85,12 @@ def commands(blocks: int) -> list[Command]:
 
 
 def stored_page(output: Path) -> str:
-    """The page as its record has it: nothing is run."""
+    """Return the page of the stored record. Nothing is run."""
     return page_of(json.loads(output.with_suffix(".json").read_text(encoding="utf-8")))
 
 
 def page_of(record: dict[str, Any]) -> str:
-    """The page of a record."""
+    """Return the page of a record."""
     rows, runs, whole = ([restored(kind, row) for row in record.get(name, ())] for name, kind in PARTS.items())
     return page(COMMAND, record["limit"], rows, runs, record["versions"], whole, record.get("versions of commands", ""))
 

@@ -1,6 +1,6 @@
-"""Which damping, stiffness and speed a run in YADE should have: `.venv/bin/python tests/benchmarks/benchmark_protocol.py`.
+"""Comparison of damping, stiffness and speed of a run in YADE: `.venv/bin/python tests/benchmarks/benchmark_protocol.py`.
 
-Writes comparison/gallery/protocol.md: irregular walls (`protocol_scenes.py`), each run by one attempt with every combination. The
+Runs irregular walls (`protocol_scenes.py`), each in one attempt with every combination, and writes comparison/gallery/protocol.md. The
 reference of a wall is limit analysis' prediction, which never sees these runs. Seconds are processor time.
 """
 
@@ -26,9 +26,9 @@ from la_core.scene import load_scene
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "protocol.md"
 ATTEMPT = Path(__file__).with_name("protocol_attempt.py")
-# Damping ratio of the contacts and of the blocks' swing; stiffness and speed over the derived ones.
+# Damping ratios of the contacts and of the blocks' swing; stiffness and speed over the derived values.
 DAMPING, STIFFNESS, SPEED = ((0.3, 0.0), (1.0, 0.0), (0.3, 0.5)), (0.25, 1.0, 4.0), (1.0, 0.5)
-ALLOWED = 0.005  # of the reaction, besides both stated uncertainties: what the judge allows
+ALLOWED = 0.005  # share of the reaction that the judge allows besides both stated uncertainties
 HEAD = """# How fast, how stiff, how damped: the protocol of a YADE run, measured
 
 Irregular walls of 30 to 35 blocks that are no shipped scenes: unequal courses and blocks, leaning walls, inclined beds, a lintel,
@@ -51,7 +51,7 @@ COLUMNS = ("damping", "swing", "stiffness", "speed", "plateaus", "off by", "stat
 
 @dataclass(frozen=True)
 class Combination:
-    """What is varied from attempt to attempt; the page explains its columns of the same names."""
+    """Settings that vary between attempts. The page explains the columns of the same names."""
 
     damping: float
     swing: float
@@ -60,7 +60,7 @@ class Combination:
 
 
 def attempt(case: Path, tried: Combination) -> dict[str, Any]:
-    """One attempt in YADE's interpreter."""
+    """Run one attempt in YADE's interpreter."""
     yade = find_yade()
     settings = json.dumps({"damping_ratio": tried.damping, "swing_damping": tried.swing})
     command = [str(part) for part in (yade.python, "-s", ATTEMPT, case, tried.speed, tried.stiffness, settings)]
@@ -70,7 +70,7 @@ def attempt(case: Path, tried: Combination) -> dict[str, Any]:
 
 
 def solved(wall: Wall, folder: Path) -> LimitAnalysis:
-    """Limit analysis of a wall, stored for YADE."""
+    """Solve a wall by limit analysis, and store its case for YADE."""
     path = folder / f"{wall.name}.toml"
     path.write_text(wall.text, encoding="utf-8")
     analysis = analyse(load_scene(path))
@@ -79,7 +79,7 @@ def solved(wall: Wall, folder: Path) -> LimitAnalysis:
 
 
 def row(tried: Combination, runs: Sequence[tuple[dict[str, Any], float, float]]) -> str:
-    """One line of the table; runs: attempt, prediction and its uncertainty."""
+    """Return one line of the table. runs: attempt, prediction and its uncertainty."""
     known = [run for run in runs if run[0]["status"] == "plateau"]
     off = np.array([abs(run["reaction"] / value - 1.0) for run, value, _ in known])
     stated = np.array([run["uncertainty"] / abs(run["reaction"]) for run, _, _ in known])
@@ -100,7 +100,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as place, ThreadPoolExecutor(options.workers) as pool:
         folder = Path(place)
         predicted = [(wall, solved(wall, folder).coulomb) for wall in drawn]
-        predicted = [(wall, coulomb) for wall, coulomb in predicted if coulomb.value > 0.0]  # nothing to divide by
+        predicted = [(wall, coulomb) for wall, coulomb in predicted if coulomb.value > 0.0]  # differences are divided by the prediction
         for (damping, swing), stiffness, speed in itertools.product(DAMPING, STIFFNESS, SPEED):
             tried = Combination(damping, swing, stiffness, speed)
             cases = [folder / f"{wall.name}.h5" for wall, _ in predicted]

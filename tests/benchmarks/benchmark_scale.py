@@ -1,13 +1,13 @@
-"""What limit analysis costs at size: seconds per stage, iterations, residuals and peak memory, and how they grow.
+"""Cost of limit analysis of large structures: seconds per stage, iterations, residuals and peak memory, and their growth.
 
     python tests/benchmarks/benchmark_scale.py [--plane N ...] [--space N ...] [--corner N ...] [--building N ...] [--coulomb N ...]
 
-Running-bond walls of about N blocks in the plane and in 3D, two walls that meet in a corner, a third of one base settling, and a building
-with windows on all sides of which one corner settles. Every size runs in a process of its own. --coulomb follows such walls, in the plane
-and in 3D, to their plateau with Coulomb friction.
+The structures have about N blocks: running-bond walls in the plane and in 3D and two walls that meet in a corner, of which a third of one
+base settles, and a building with windows on all sides, of which one corner settles. Every size runs in its own process. --coulomb follows
+walls in the plane and in 3D to their plateau with Coulomb friction.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import multiprocessing
 import time
@@ -36,9 +36,9 @@ from la_core.scene.scene import Scene
 
 SIZES = {"plane": [1000, 5000, 20000], "space": [1000, 5000], "corner": [1000, 5000], "building": [1000, 5000], "coulomb": [1000]}
 FIXED_SHARE = 0.66  # of the base's length
-STOREY, BAY, SOLID_SHARE = 14, 2.4, 0.79  # of a building: courses of a storey, m of wall to a window, share that no opening takes
+STOREY, BAY, SOLID_SHARE = 14, 2.4, 0.79  # of a building: courses per storey, m of wall per window, share of the wall without openings
 LENGTH, DEPTH, HEIGHT = 0.4, 0.2, 0.2  # of a block, m; a block's depth is half its length, so that a corner keeps the bond
-STAGES = {  # what is timed under which name, each a function or method and where it is looked up
+STAGES = {  # timed stages by name: the owner and the name of a function or method
     "scene": (scenes, "build"),
     "contacts": (touching, "_search"),
     "assembly": (assembly, "assemble"),
@@ -52,7 +52,7 @@ SOLVER = ("conversion", "solve")
 
 @dataclass(frozen=True)
 class Run:
-    """One size: seconds by stage and in total, and what the answer is worth. memory: peak of the process, MiB."""
+    """Measurements of one size: seconds by stage and in total, and residuals of the answer. memory: peak of the process, MiB."""
 
     kind: str
     blocks: int
@@ -72,7 +72,7 @@ class Run:
 
 
 def wall(size: int, plane: bool, **options: Any) -> Scene:
-    """A wall of about `size` blocks, as many courses as blocks per course; options: as of `scenes.build`."""
+    """Build a wall of about `size` blocks, as many courses as blocks per course. options: further options of `scenes.build`."""
     courses = round(size**0.5)
     per_course = round(size / (courses + 0.5))
     parts = scenes.wall(per_course, courses, FIXED_SHARE * LENGTH * per_course, (LENGTH, DEPTH, HEIGHT))
@@ -80,16 +80,16 @@ def wall(size: int, plane: bool, **options: Any) -> Scene:
 
 
 def corner(size: int) -> Scene:
-    """Two walls of about `size` blocks together that meet and interlock; a third of one settles."""
+    """Build two walls that meet and interlock, of about `size` blocks together. A third of one wall settles."""
     courses = round((size / 2) ** 0.5)
     end = LENGTH * round(size / (2 * courses))
     return _building("L", (end, end), courses, settling=((FIXED_SHARE * end, -DEPTH), (end + DEPTH, DEPTH)))
 
 
 def building(size: int) -> Scene:
-    """Storeys of 14 courses on a rectangle with windows on all sides and a door, about `size` blocks; one corner settles."""
+    """Build storeys of 14 courses on a rectangle, with windows on all sides and a door, of about `size` blocks. One corner settles."""
     storeys = max(1, round((size / 1000) ** (1 / 3)))
-    bays = max(5, round(size / (SOLID_SHARE * STOREY * storeys) * LENGTH / (2.0 * BAY)))  # of the south and the east wall together
+    bays = max(5, round(size / (SOLID_SHARE * STOREY * storeys) * LENGTH / (2.0 * BAY)))  # in the south and the east wall together
     along = -(-bays * 4 // 7)
     length, depth = along * BAY, (bays - along) * BAY
     openings = [
@@ -103,7 +103,7 @@ def building(size: int) -> Scene:
 
 
 def _opening(side: str, bay: int, storey: int, door: bool) -> dict[str, Any]:
-    """A window, or a door, in the middle of a bay; their sizes are even numbers of half blocks."""
+    """Return a window or a door in the middle of a bay. Their lengths are even numbers of half blocks."""
     middle, floor = (bay + 0.5) * BAY, storey * STOREY * HEIGHT
     sill = floor if door else floor + 5 * HEIGHT
     start, stop = (round(middle - 0.6, 6), round(sill, 6)), (round(middle + 0.6, 6), round(floor + 10 * HEIGHT, 6))
@@ -123,7 +123,7 @@ def _building(
 
 
 def patched(stages: dict[str, tuple[Any, str]], spent: Counter) -> ExitStack:
-    """A context in which the seconds inside the functions of the stages are added to those spent under their names."""
+    """Return a context that adds the seconds inside the function of each stage to `spent`, under the stage's name."""
     stack = ExitStack()
     for name, (owner, attribute) in stages.items():
         stack.enter_context(patch.object(owner, attribute, timed(getattr(owner, attribute), name, spent)))
@@ -131,7 +131,7 @@ def patched(stages: dict[str, tuple[Any, str]], spent: Counter) -> ExitStack:
 
 
 def timed(function: Callable, name: str, spent: Counter) -> Callable:
-    """The function, adding its seconds to those spent under a name."""
+    """Return the function, wrapped so that its seconds are added to `spent` under a name."""
 
     @wraps(function)
     def wrapper(*args: object, **options: object) -> object:
@@ -156,7 +156,7 @@ def measure(kind: str, size: int) -> Run:
         model = assembly.assemble(build(kind, size))
         solution = associated.solve_associated(model, Drive.YIELDING)
     total = time.process_time() - start
-    spent["scene"] -= spent["contacts"]  # the checks of a scene ask for them first
+    spent["scene"] -= spent["contacts"]  # the scene's checks search the contacts first, within the scene's time
     residual = max(solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
     rows = len(model.points) * (4 if model.effects.plane else 3) // (2 if model.effects.plane else 1)
     return Run(
@@ -166,7 +166,7 @@ def measure(kind: str, size: int) -> Run:
 
 
 def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
-    """One row of the table of Coulomb predictions."""
+    """Return one row of the table of Coulomb predictions."""
     scene = build(kind, size)
     model = assembly.assemble(scene)
     bounds = associated.solve_associated(model, Drive.YIELDING)
@@ -178,18 +178,18 @@ def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
 
 
 def alone(function: Callable, *args: object) -> object:
-    """Result of a function called in a process of its own."""
+    """Call a function in its own process and return its result."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(function, args)
 
 
 def exponent(runs: list[Run], seconds: Callable[[Run], float]) -> float:
-    """Of growth with the number of blocks, fitted to all sizes."""
+    """Return the exponent of growth with the number of blocks, fitted to all sizes."""
     return float(np.polyfit(np.log([run.blocks for run in runs]), np.log([seconds(run) for run in runs]), 1)[0])
 
 
 def listing(runs: list[Run]) -> Table:
-    """One row per size, one of exponents per kind."""
+    """One row per size. The caption has the exponents of each kind."""
     table = Table(title="Seconds per stage; residual: the largest recomputed one; outside: share of the total outside the solver")
     heads = ("kind", "blocks", "rows", *STAGES, "total", "outside", "iterations", "status", "residual", "R/W", "MiB")
     for head in heads:

@@ -1,12 +1,12 @@
-"""What a command costs beside its solver: loading the packages, the smallest commands, and the stages of `crosscheck solve` by size.
+"""Cost of a command beside its solver: loading the packages, the smallest commands, and the stages of `crosscheck solve` by size.
 
     python tests/benchmarks/benchmark_startup.py -o comparison/gallery [--beside DIR] [--repeats N] [--sizes N ...]
 
-Processor seconds (user and system) and seconds by the clock of processes of their own, the least of several. --beside times the sources
-of another version in DIR in turn with these. Writes startup.md and startup.json.
+Times are processor seconds (user and system) and wall seconds of separate processes, the least of several. --beside times the sources of
+another version in DIR in turn with these. Writes startup.md and startup.json.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 import os
@@ -29,8 +29,8 @@ ROOT = Path(__file__).parents[2]
 SIZES = {65: (10, 6), 250: (20, 12), 1000: (40, 25)}  # blocks of the wall, with its footing: blocks per course, and courses
 LENGTH = 0.6  # of a block, m
 REPEATS, ENOUGH = 9, 60.0  # times a process is started; seconds after which it is not started again
-LARGE_SHARE, FROM_BLOCKS = 0.1, 250  # what no stage beside the solver should take, and from which size on
-NOTHING = 0.01  # s: the clock of processor time has no finer steps
+LARGE_SHARE, FROM_BLOCKS = 0.1, 250  # largest share for a stage beside the solver, and the least size to which this aim applies
+NOTHING = 0.01  # s, resolution of the processor clock
 SOLVE, RUN = 0.5, 1.2  # s that `solve two_pads` and `run two_pads` should take at most
 LIBRARIES = "scipy.sparse.linalg, h5py, shapely, clarabel, pydantic.main, rich.console, rich.table, rich.progress"
 COMMAND = "from comparison.__main__ import main; main()"
@@ -59,7 +59,7 @@ try:
 finally:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     print(used.ru_utime + used.ru_stime, file=sys.stderr)
-"""  # a process tells what its own processes took, which are YADE's
+"""  # a process prints the processor time of its child processes, which are YADE's
 SCENE = """
 title = "Wall on a footing whose right third settles"
 stone.density = 2000.0
@@ -87,34 +87,34 @@ STAGES = ("loading", "reading", "contacts", "model", SOLVER, "evidence", "report
 
 
 def environment(sources: Path, caches: Path) -> dict[str, str]:
-    """Variables of a process that loads these sources, compiled in a folder of their own: what runs first compiles, not what counts."""
+    """Return the variables of a process that loads these sources, compiled into their own folder. Only the first process compiles them."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     return kept | one_thread | {"PYTHONPATH": str(sources), "PYTHONPYCACHEPREFIX": str(caches)}
 
 
 def used(command: Sequence[str | Path], variables: dict[str, str], folder: Path) -> tuple[float, float, str]:
-    """Seconds of a process by the processor, with those that it waits for, and by the clock; last line of its standard error.
+    """Run a process. Return its processor seconds with those of its children, its wall seconds, and the last line of its standard error.
 
     Raises RuntimeError where the process fails.
     """
     before, start = os.times(), time.perf_counter()
     ended = subprocess.run(command, env=variables, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
     after, clock = os.times(), time.perf_counter() - start
-    if ended.returncode not in (0, 4):  # 4: a prediction is inaccurate, which says nothing about the seconds
+    if ended.returncode not in (0, 4):  # 4: a prediction is inaccurate; its seconds count all the same
         raise RuntimeError(f"{command} ended with {ended.returncode}: {ended.stderr}")
     seconds = after.children_user - before.children_user + after.children_system - before.children_system
     return seconds, clock, (ended.stderr.splitlines() or [""])[-1]
 
 
 def yade_start() -> list[str | Path]:
-    """The command that loads YADE and does nothing."""
+    """Return the command that loads YADE and does nothing else."""
     yade = installation.find_yade()
     return [yade.python, "-s", "-c", f"import sys; sys.path.insert(0, {str(yade.modules)!r}); import yade.utils"]
 
 
 def starts(trees: dict[str, Path], repeats: int) -> list[dict[str, Any]]:
-    """Least seconds of every statement and command with each tree of sources, in turn, and YADE's part of those of the processor."""
+    """Return the least seconds of every statement and command with each tree of sources, in turn, and YADE's part of processor seconds."""
     rows = []
     with tempfile.TemporaryDirectory() as work:
         calls: dict[str, list[str | Path]] = {name: [sys.executable, "-c", statement] for name, statement in IMPORTS.items()}
@@ -123,9 +123,9 @@ def starts(trees: dict[str, Path], repeats: int) -> list[dict[str, Any]]:
             tried: dict[str, list[tuple[float, float, float]]] = {tree: [] for tree in trees}
             for attempt in range(repeats + 1):
                 for tree, sources in trees.items():
-                    with tempfile.TemporaryDirectory() as folder:  # so that no result is found again
+                    with tempfile.TemporaryDirectory() as folder:  # an empty folder, so that no stored result is used
                         seconds, clock, told = used(call, environment(sources, Path(work) / tree), Path(folder))
-                    if attempt:  # the first one compiles
+                    if attempt:  # the first attempt compiles
                         tried[tree].append((seconds, float(told) if name in COMMANDS else 0.0, clock))
             best = {tree: (*min(many)[:2], min(one[2] for one in many)) for tree, many in tried.items()}
             rows.append({"name": name} | {tree: dict(zip(("seconds", "yade", "clock"), one, strict=True)) for tree, one in best.items()})
@@ -137,14 +137,14 @@ def starts(trees: dict[str, Path], repeats: int) -> list[dict[str, Any]]:
 
 
 def wall(size: int) -> str:
-    """Text of the wall of about so many blocks."""
+    """Return the scene file of the wall of about `size` blocks."""
     per_course, courses = SIZES[size]
     split, end = (round(LENGTH * count, 1) for count in (per_course - per_course // 3, per_course))
     return SCENE.format(length=LENGTH, per_course=per_course, courses=courses, split=split, end=end)
 
 
 def stages(size: int, options: Sequence[str], trees: dict[str, Path], repeats: int) -> dict[str, Any]:
-    """Seconds by stage of the solution of a wall with each tree of sources, in turn; those of the quickest process count."""
+    """Return the seconds by stage of the solution of a wall with each tree of sources, in turn. The quickest process counts."""
     found: dict[str, Any] = {"blocks": size, "options": list(options)}
     with tempfile.TemporaryDirectory() as work:
         scene = Path(work) / "wall.toml"
@@ -169,7 +169,7 @@ def stages(size: int, options: Sequence[str], trees: dict[str, Path], repeats: i
 
 
 def conclusions(record: dict[str, Any]) -> str:
-    """What the record says about the aims."""
+    """Return the conclusions of the record about the aims."""
     rows = {row["name"]: row for row in record["starts"]}
     solve, run, alone = (rows[name]["now"]["seconds"] for name in (SOLVES, RUNS, YADE_STARTS))
     clock = rows[RUNS]["now"]["clock"]
@@ -198,12 +198,12 @@ def conclusions(record: dict[str, Any]) -> str:
 
 
 def command_of(row: dict[str, Any]) -> str:
-    """The command whose stages a row has."""
+    """Return the command whose stages a row has."""
     return " ".join(("crosscheck solve", *row["options"]))
 
 
 def page(record: dict[str, Any]) -> str:
-    """The page of a record."""
+    """Return the page of a record."""
     command = __doc__.split("\n\n")[1].strip()
     has_before = any("before" in row for row in record["starts"])
     rows: list[list[object]] = []
@@ -227,7 +227,7 @@ def page(record: dict[str, Any]) -> str:
 
 
 def stored_page(folder: Path) -> str:
-    """The page as its record has it: nothing is measured."""
+    """Return the page of the stored record. Nothing is measured."""
     return page(json.loads((folder / "startup.json").read_text(encoding="utf-8")))
 
 

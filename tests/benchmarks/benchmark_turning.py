@@ -1,7 +1,7 @@
-"""What blocks that turn by a finite angle change: `.venv/bin/python tests/benchmarks/benchmark_turning.py`.
+"""Effect of finite rotations of the blocks on predictions: `.venv/bin/python tests/benchmarks/benchmark_turning.py`.
 
-Writes comparison/gallery/turning.md: the predictions of the verdicts' random scenes with small and with finite rotations. Where both
-differ, YADE judges the one with finite rotations. `--seed N` prints the same of other scenes and writes nothing.
+Writes comparison/gallery/turning.md: the predictions of the verdicts' random scenes with small and with finite rotations. Where the two
+differ, YADE checks the prediction with finite rotations. `--seed N` prints the page of other scenes and writes nothing.
 """
 
 import argparse
@@ -26,11 +26,11 @@ from la_core.coulomb import STIFFER, CoulombSolution
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "turning.md"
 SEEDS = (SEED, FRESH_SEED)
-SHOWN = (FRESH_SEED, 0)  # seed and number of the scene whose figure the page has
+SHOWN = (FRESH_SEED, 0)  # seed and number of the scene in the page's figure
 SMALL, FINITE = ({"effects.rotation": rotation} for rotation in ("small", "finite"))
-KNOWN = 1e-2  # of the reaction: most uncertainty of a value that counts
-CHANGED, LEFT = 5e-3, 1e-2  # of the reaction: a change that the page lists; the distance at which a curve has left the value of small ones
-LEAST = 0.01  # of the weight: smaller reactions count as this
+KNOWN = 1e-2  # share of the reaction: largest uncertainty of a value that counts
+CHANGED, LEFT = 5e-3, 1e-2  # shares of the reaction: least change that the page lists; distance at which a curve has left a value
+LEAST = 0.01  # share of the weight; smaller reactions count as this share
 HEAD = f"""# What turning blocks release
 
 Limit analysis keeps the geometry as laid: where a block turns, its contact points move at right angles to their arms. In truth they move on
@@ -91,32 +91,32 @@ class Predicted:
 
     @classmethod
     def of(cls, coulomb: CoulombSolution, weight: float) -> "Predicted":
-        """Prediction over the weight, from one in N or N m."""
+        """Return a prediction over the weight, from a solution in N or N m."""
         low, high = coulomb.interval
         return cls(coulomb.value / weight, coulomb.uncertainty / weight, (high - low) / weight, coulomb.iterations, coulomb.seconds)
 
     @classmethod
     def released(cls, coulomb: CoulombSolution, weight: float) -> "Predicted":
-        """What a prediction says of the value after a release, with the cost of the whole prediction; NaN where unknown."""
+        """Return the predicted value after a release over the weight, with the cost of the whole prediction; NaN where unknown."""
         value, uncertainty = coulomb.released / weight, coulomb.released_uncertainty / weight
         return cls(value, uncertainty, np.nan, coulomb.iterations, coulomb.seconds)
 
     @property
     def size(self) -> float:
-        """Size that differences are relative to."""
+        """Divisor of relative differences: the absolute value, or LEAST where this is larger."""
         return max(abs(self.value), LEAST)
 
     @property
     def is_known(self) -> bool:
-        """Whether the value is known well enough to be compared."""
+        """True if the value is known well enough to be compared."""
         return self.uncertainty <= KNOWN * self.size
 
 
 @dataclass(frozen=True)
 class Row:
-    """Scene with its predictions for small rotations, after a release and for finite rotations, and YADE's run of the latter.
+    """Scene with its predictions for small rotations, after a release and for finite rotations, and YADE's run for finite rotations.
 
-    left_at: settlement, m, at which the curve of finite rotations leaves the value of small ones.
+    left_at: settlement, m, at which the curve of finite rotations leaves the value of small rotations.
     yade: reaction over the weight, its uncertainty, verdict and seconds; None where YADE did not run.
     """
 
@@ -134,7 +134,7 @@ class Row:
 
     @property
     def is_known(self) -> bool:
-        """Whether both predictions are known."""
+        """True if both predictions are known."""
         return self.small.is_known and self.finite.is_known
 
     @property
@@ -157,7 +157,7 @@ class Row:
 
 
 def measured(scene: tuple[int, int]) -> Row | None:
-    """Predict a scene, its seed and number, for both rotations, and run YADE where they differ; None where a prediction has no value."""
+    """Predict a scene, given by seed and number, for both rotations; run YADE where they differ. None where a prediction has no value."""
     seed, number = scene
     one = drawn(number, seed)
     finite, weight = la_core.variant(one.scene, FINITE), one.scene.weight
@@ -179,7 +179,7 @@ def measured(scene: tuple[int, int]) -> Row | None:
 
 
 def left_at(finite: LimitAnalysis, small: CoulombSolution) -> float:
-    """Settlement, m, at which the curve of finite rotations leaves the value of small ones, on the joints that it stands for."""
+    """Return the settlement, m, at which the curve of finite rotations leaves the value of small ones, with joints stiffer by STIFFER."""
     assert finite.coulomb is not None
     settlement, values = finite.coulomb.path_settlement / STIFFER, finite.coulomb.path_value
     near = np.abs(values - small.value) <= LEFT * max(abs(small.value), LEAST * finite.scene.weight)
@@ -187,7 +187,7 @@ def left_at(finite: LimitAnalysis, small: CoulombSolution) -> float:
 
 
 def page(rows: list[Row], scenes: int) -> str:
-    """The page: its head, what was found, and a line for each scene whose predictions differ."""
+    """Return the page: its head, the findings, and a line for each scene whose predictions differ."""
     known = [row for row in rows if row.is_known]
     listed = [row for row in known if row.yade is not None]
     changes = [abs(row.change) for row in known]
@@ -209,7 +209,7 @@ def page(rows: list[Row], scenes: int) -> str:
 
 
 def _said_of_release(rows: list[Row]) -> str:
-    """In how many scenes the default prediction has the value after a release, and how far this is from that of finite rotations."""
+    """State the number of scenes whose default prediction has the value after a release, and its distance from that of finite rotations."""
     said = [row for row in rows if np.isfinite(row.released.value)]
     off = [(abs(row.released.value - row.finite.value), row) for row in said if row.released.is_known and row.finite.is_known]
     beyond = [row.name for apart, row in off if apart > row.released.uncertainty + row.finite.uncertainty]
@@ -224,7 +224,7 @@ def _said_of_release(rows: list[Row]) -> str:
 
 
 def _cost(rows: list[Row], name: str) -> str:
-    """What a prediction costs over that with small rotations alone."""
+    """State the cost of a prediction over that with small rotations alone."""
     work, seconds = (
         sum(getattr(getattr(row, name), cost) for row in rows) / sum(getattr(row.small, cost) for row in rows) for cost in COSTS
     )

@@ -1,7 +1,7 @@
-"""Whether stated uncertainties hold on irregular structures: `.venv/bin/python tests/benchmarks/benchmark_uncertainty.py`.
+"""Test of the stated uncertainties on irregular structures: `.venv/bin/python tests/benchmarks/benchmark_uncertainty.py`.
 
-Predicts random scenes by default and again along finer paths, and writes comparison/gallery/uncertainty.md with its record. What the
-record holds is not predicted again; `--page` writes the page from the record alone.
+Predicts random scenes by default and again along finer paths, and writes comparison/gallery/uncertainty.md and its record. Scenes in the
+record are not predicted again; `--page` writes the page from the record alone.
 """
 
 import argparse
@@ -22,15 +22,15 @@ from la_core.coulomb import CoulombSolution, PredictionSettings
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "uncertainty.md"
 SEEDS = (20261129, 20261130, 20261131)
-# Factor by which the limits of a step are divided on the paths that test a prediction; on those that test one with a third path,
-# which has finer steps itself.
+# Divisors of the limits of a step on the reference paths: for a prediction with two paths, and for a prediction with a third path, which
+# has finer steps itself.
 FINER, FINEST = 3.0, 10.0
 EFFORT = 5.0 * PredictionSettings.effort
-OF_TWO, OF_THREE = PredictionSettings((1e-3, 1e-4), FINER, EFFORT), PredictionSettings((1e-4, 1e-5), FINEST, EFFORT)  # paths
-LEAST = 0.01  # of the weight: smaller reactions count as this
-FLOOR = 1e-5  # of the weight: smaller differences count as none
-SAME = 1e-9  # of the weight: both values are one
-KNOWN = 1e-2  # of the reaction: largest uncertainty by which the judge decides
+OF_TWO, OF_THREE = PredictionSettings((1e-3, 1e-4), FINER, EFFORT), PredictionSettings((1e-4, 1e-5), FINEST, EFFORT)  # references
+LEAST = 0.01  # share of the weight; smaller reactions count as this share
+FLOOR = 1e-5  # share of the weight; smaller differences count as none
+SAME = 1e-9  # share of the weight; values that differ by less count as equal
+KNOWN = 1e-2  # share of the reaction: largest uncertainty with which the judge decides
 Entry = dict[str, Any]
 HEAD = f"""# Does the stated uncertainty hold?
 
@@ -50,7 +50,7 @@ are not solved. *s*, *reference s*: seconds of limit analysis for all scenes, on
 
 
 def measured(number: int, seed: int) -> Entry:
-    """Predict a scene by default and along finer paths; values over the weight."""
+    """Predict a scene by default and along finer paths. Values are over the weight."""
     one = drawn(number, seed)
     default = analyse(one.scene).coulomb
     paths = 0 if default is None else len(default.viscosities)
@@ -60,7 +60,7 @@ def measured(number: int, seed: int) -> Entry:
 
 
 def _values(answer: CoulombSolution | None, weight: float) -> Entry | None:
-    """Value, uncertainty and plateaus over the weight; None without a value."""
+    """Return value, uncertainty and plateaus over the weight; None without a value."""
     if answer is None or not np.isfinite(answer.value):
         return None
     return {
@@ -73,7 +73,7 @@ def _values(answer: CoulombSolution | None, weight: float) -> Entry | None:
 
 
 def excess(entry: Entry) -> float:
-    """Return the difference from the reference over what the prediction allows."""
+    """Return the difference from the reference over the stated uncertainty, or over FLOOR where this is larger."""
     first, finer = entry["default"], entry["reference"]
     return float(abs(first["value"] - finer["value"]) / max(first["uncertainty"], FLOOR))
 
@@ -84,7 +84,7 @@ def share(entry: Entry, amount: float) -> float:
 
 
 def is_unsure(entry: Entry) -> bool:
-    """Return whether a prediction is too uncertain to decide by, or is not solved."""
+    """Return True if a prediction is not solved, or too uncertain for a verdict."""
     first = entry["default"]
     return bool(first["status"] != "solved" or share(entry, first["uncertainty"]) > KNOWN)
 
@@ -106,7 +106,7 @@ def row(name: str, entries: list[Entry]) -> list[str]:
 
 
 def page(entries: list[Entry]) -> str:
-    """Return the page: what was found, a row for each kind of scene, and the scenes on which the stated uncertainty does not hold."""
+    """Return the page: the findings, a row for each kind of scene, and the scenes that differ by more than the stated uncertainty."""
     both = [entry for entry in entries if entry["default"] and entry["reference"]]
     beyond = sorted((entry for entry in both if excess(entry) > 1.0), key=excess, reverse=True)
     wrong = [entry for entry in beyond if share(entry, abs(entry["default"]["value"] - entry["reference"]["value"])) > KNOWN]
@@ -137,7 +137,7 @@ def page(entries: list[Entry]) -> str:
 
 
 def main() -> None:
-    """Predict what the record does not hold, and write the page."""
+    """Predict the scenes that the record lacks, and write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS, help="seeds of the scenes (default: %(default)s)")
     parser.add_argument("--workers", type=int, default=1, help="processes (default: %(default)s)")

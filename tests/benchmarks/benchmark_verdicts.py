@@ -1,14 +1,14 @@
-"""A second opinion on the verdicts: random irregular scenes by both methods; agreements again, stiffer and slower, in one record and page.
+"""A second opinion on the verdicts: random irregular scenes by both methods. Agreements run again with stiffer joints and lower speed.
 
     python tests/benchmarks/benchmark_verdicts.py [--family NAME] [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder]
         [--folder DIR] [--record FILE]
 
-Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--family` takes those
-of generated_scenes.py or unusual_scenes.py. `--once` runs every scene once. What the record holds is not run again; a scene that was
-interrupted continues from the stages in its folder. `--page` writes the page from the record and runs nothing.
+Scenes and seed are those of verdict_scenes.py; scenes of another seed need their own record. `--family` takes the scenes of
+generated_scenes.py or unusual_scenes.py. `--once` runs every scene once. Scenes in the record are not run again; an interrupted scene
+continues from the stages in its folder. `--page` writes the page from the record and runs nothing.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 import math
@@ -37,13 +37,13 @@ from la_core.scene import same_structure
 from la_core.text_table import exists, number_text
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
-STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel
-NEAR = 5e-3  # of the reaction: where the methods are this near, nothing should stay inconclusive
-# Scenes of SEED whose curves have led to changes of a method or of the judge: that they agree afterwards proves little.
+STIFFER, SLOWER = 4.0, 2.0  # factors of an agreement's second run: stiffness of the joints, duration of the travel
+NEAR = 5e-3  # share of the reaction; a smaller difference of the methods should not be inconclusive
+# Scenes of SEED whose curves have led to changes of a method or of the judge. Their later agreement proves little.
 SEEN = frozenset({69, 137})
 GOAL = 0.9  # share of agreements
-MOST_MOVED = 0.01  # share of reruns that may move by more than is stated
-LEAST = 0.01  # of the weight: smaller reactions are judged as if they were this large
+MOST_MOVED = 0.01  # share of second runs whose reaction may move by more than both runs state
+LEAST = 0.01  # share of the weight; smaller reactions count as this share
 HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verdict", "again: verdict", "moved / stated", "s")
 OF_SECOND_RUNS = slice(7, 9)  # columns
 MEANING = (
@@ -76,7 +76,7 @@ FAMILIES = {  # by name: module of the scenes, introduction and end of the title
 
 
 def measured(number: int, seed: int, folder: Path, once: bool, harder: bool, family: str = "stones") -> dict[str, Any]:
-    """Return the entry of one scene: its first comparison, for an agreement its second one, and else what trying harder gives."""
+    """Return the entry of one scene: its first comparison, and the second run of an agreement or a harder attempt at another verdict."""
     scene_drawn = FAMILIES[family][0].drawn(number, seed)
     scene = scene_drawn.scene
     with Narration(Console(stderr=True, quiet=True)) as narration:
@@ -97,7 +97,7 @@ def _no_figures(_: Any) -> dict[str, Any]:
 
 
 def values(summary: dict[str, Any]) -> dict[str, Any]:
-    """Return what the record keeps of a comparison; reactions over the weight, or multipliers."""
+    """Return the recorded values of a comparison: reactions over the weight, or multipliers."""
     coulomb, yade = summary["limit_analysis"]["coulomb"] or {}, summary["yade"] or {}
     name, weight = ("reaction", summary["weight"]) if summary["unit"] else ("multiplier", 1.0)
     shared = coulomb.get("shared_inset") or coulomb
@@ -120,15 +120,15 @@ def values(summary: dict[str, Any]) -> dict[str, Any]:
 
 
 def apart(entry: dict[str, Any]) -> float | None:
-    """Return the difference of YADE's reaction from the value it agrees with, else from the prediction, as a share; None if undefined."""
+    """Return the relative difference of YADE's reaction from the value it agrees with, else from the prediction; None if undefined."""
     coulomb, yade = entry.get("released", entry["coulomb"]), entry["yade"]
     return abs(yade - coulomb) / max(abs(yade), LEAST) if exists(coulomb) and exists(yade) else None
 
 
 def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
-    """Return how far YADE's reaction moves from the first run to the second, over its stated uncertainty; None without a second run.
+    """Return the change of YADE's reaction in the second run, over the first run's uncertainty; None where a reaction is missing.
 
-    of_both: over the root of the sum of squares of the uncertainties of both runs, which is the number E_n of ISO 13528.
+    of_both: over the root of the sum of squares of both runs' uncertainties instead. This is the number E_n of ISO 13528.
     """
     again = entry.get("again")
     if again is None or not (exists(again["yade"]) and exists(entry["yade"])):
@@ -136,7 +136,7 @@ def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
     change, stated = abs(again["yade"] - entry["yade"]), float(entry["yade_uncertainty"])
     stated = math.hypot(stated, again["yade_uncertainty"]) if of_both else stated
     if change == 0.0:
-        return 0.0  # two supports that carry nothing state no uncertainty
+        return 0.0  # a support that carries nothing states no uncertainty
     return change / stated if stated > 0.0 else math.inf
 
 
@@ -200,7 +200,7 @@ def _row(entry: dict[str, Any]) -> list[str]:
 
 
 def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]) -> Iterator[str]:
-    """Yield what the record shows, each as a sentence. total: number of scenes; seen: scenes that have led to changes of a method."""
+    """Yield the conclusions from the record as sentences. total: number of scenes; seen: scenes that led to changes of a method."""
     counts = Counter(str(entry["verdict"]) for entry in entries)
     agree = counts["agree"]
     yield f"{len(entries)} of {total} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
@@ -235,7 +235,7 @@ def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]
 
 
 def main() -> None:
-    """Run what the record lacks, and write record and page after every scene."""
+    """Run the scenes that the record lacks, and write record and page after every scene."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--family", choices=FAMILIES, default="stones", help="scenes (default: those of verdict_scenes.py)")
     parser.add_argument("--seed", type=int, help="seed of the scenes (default: that of their file)")

@@ -1,11 +1,12 @@
-"""Writes what follows from stored measurements into the gallery's pages: numbers in text are those of the records, and nothing is run.
+"""Writes the conclusions from stored measurements into the gallery's pages. All numbers come from the records; nothing is run.
 
     .venv/bin/python tests/benchmarks/conclusions.py
 
-The pages growth.md, peers.md, accuracy.md and startup.md are written whole; in cost.md, friction.md and seed_paper.md the marked parts are.
+The pages growth.md, peers.md, accuracy.md and startup.md are written whole. Of cost.md, friction.md and seed_paper.md only the marked parts
+are written.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import csv
 import json
 from collections import Counter, defaultdict
@@ -34,7 +35,7 @@ DERIVED, FASTER, SLOWER = (("YADE", setting) for setting in ("derived settings",
 
 
 def pages(folder: Path = GALLERY) -> dict[str, str]:
-    """Every page that quotes a record, by its file's name, as the records in the folder have it."""
+    """Return the text of every page that quotes a record, by file name, from the records in the folder."""
     written = {
         "growth.md": benchmark_growth.stored_page(folder),
         "peers.md": benchmark_peers.stored_page(folder / "peers.md"),
@@ -60,7 +61,7 @@ def pages(folder: Path = GALLERY) -> dict[str, str]:
 
 
 def ladders(folder: Path) -> str:
-    """What the four ladders of `crosscheck cost` say."""
+    """Return the conclusions from the four ladders of `crosscheck cost`."""
     errors: dict[str, dict[tuple[str, str], dict[str, Any]]] = {}
     for name in LADDERS:
         rungs = json.loads((folder / f"{name}-cost.json").read_text(encoding="utf-8"))["rungs"]
@@ -106,13 +107,13 @@ def _percent(rungs: dict[tuple[str, str], dict[str, Any]], key: tuple[str, str])
 
 
 def campaign_rows(folder: Path) -> list[dict[str, str]]:
-    """Rows of the campaign after the seed paper."""
+    """Return the rows of the campaign after the seed paper."""
     with (folder / "seed_paper" / "results.csv").open(encoding="utf-8", newline="") as table:
         return list(csv.DictReader(table))
 
 
 def counts(folder: Path) -> str:
-    """How many cases agree, and which do not."""
+    """State the number of cases that agree, and the names of the others."""
     rows = campaign_rows(folder)
     verdicts = Counter(row["verdict"] for row in rows)
     with (folder / "seed_paper" / "costs.csv").open(encoding="utf-8", newline="") as table:
@@ -131,7 +132,7 @@ def counts(folder: Path) -> str:
 
 
 def reactions(rows: list[dict[str, str]]) -> str:
-    """How the reaction of a wall's settling end changes with friction, and how slenderness acts on the mechanism."""
+    """State the change of the reaction of a wall's settling end with friction, and the mechanism of walls of different height."""
     zones: dict[str, list[dict[str, str]]] = defaultdict(list)
     for row in rows:
         if row["sweep"] == "wall":
@@ -158,7 +159,7 @@ def reactions(rows: list[dict[str, str]]) -> str:
 
 
 def classic_iteration(rows: list[dict[str, str]]) -> str:
-    """Where the classic iteration converges over its own parameters, on a wall whose right third or right half settles."""
+    """State the parameters with which the classic iteration converges, on a wall whose right third or right half settles."""
     lines = []
     for sweep, words in (("iteration", "right third"), ("iteration_half", "right half")):
         many = [row for row in rows if row["sweep"] == sweep]

@@ -1,4 +1,4 @@
-"""What the record of predictions with friction says: its tables, the conclusions and the figure of the page friction.md."""
+"""Tables, conclusions and figure of the page friction.md, from the record of predictions with friction."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,8 +15,8 @@ from comparison.figures import FAINT, INK, method_colour
 from comparison.numbers import percent
 from la_core.text_table import number_text
 
-PART, SMOOTH_PART = "predictions", "smooth joints"  # of friction.md: what is written from the record
-FAR = 0.01  # relative: a difference that would decide a verdict
+PART, SMOOTH_PART = "predictions", "smooth joints"  # parts of friction.md that are written from the record
+FAR = 0.01  # relative; a larger difference would decide a verdict
 NAMES = (
     "settings",
     "median error",
@@ -82,14 +82,14 @@ def listing(results: list[Result]) -> Table:
 
 
 def page_part(folder: Path = GALLERY) -> str:
-    """Table and conclusions of the page friction.md, as the record in the folder has them."""
+    """Return the table and conclusions of the page friction.md, from the record in the folder."""
     results = read(folder / RECORD)
     table = [NAMES, ("---",) * len(NAMES), *rows(results)]
     return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + conclusions(results)
 
 
 def smooth_part(folder: Path = GALLERY) -> str:
-    """Table of predictions with smooth joints, for walls of each number of blocks, and what it says."""
+    """Return the table of predictions with smooth joints, one row per number of blocks, and its conclusions."""
     results = [result for result in read(folder / RECORD) if SMOOTH in result.runs]
     sizes = sorted({result.case.per_course * result.case.courses for result in results})
     table = [("blocks", *NAMES[1:]), ("---",) * len(NAMES)]
@@ -103,7 +103,7 @@ def smooth_part(folder: Path = GALLERY) -> str:
 
 
 def conclusions(results: list[Result]) -> str:
-    """What the table says, in a few sentences."""
+    """Return the conclusions from the table."""
     off = [result.deviation(DEFAULT) for result in results]
     each = sum(result.runs[DEFAULT].seconds for result in results) / len(results)
     return sentences(
@@ -117,7 +117,7 @@ def conclusions(results: list[Result]) -> str:
 
 
 def _far(results: list[Result]) -> Iterator[str]:
-    """What the walls state that are far from the reference, if there are any."""
+    """Yield the sizes and the least stated uncertainty of walls that are far from the reference, if there are any."""
     far = [result for result in results if result.deviation(DEFAULT) > FAR]
     if far:
         stated = min(result.runs[DEFAULT].uncertainty / result.scale for result in far)
@@ -129,7 +129,7 @@ def _far(results: list[Result]) -> Iterator[str]:
 
 
 def _held(results: list[Result], name: str) -> str:
-    """On how many walls the stated uncertainty holds, and by how much it fails on the others."""
+    """State the number of walls on which the stated uncertainty holds, and the largest excess on the others."""
     excess = [result.excess(name) for result in results]
     held = sum(one <= 1.0 for one in excess)
     fails = f"; elsewhere the difference is up to {number_text(max(excess), 2)} times as large" if held < len(results) else ""
@@ -159,7 +159,7 @@ def figure(results: list[Result]) -> Figure:
 
 
 def write_page(folder: Path = GALLERY) -> None:
-    """Write the part of friction.md and the figure from the record in the folder."""
+    """Write both parts of friction.md and the figure from the record in the folder."""
     page = folder / "friction.md"
     text = with_part(page.read_text(encoding="utf-8"), PART, page_part(folder))
     page.write_text(with_part(text, SMOOTH_PART, smooth_part(folder)), encoding="utf-8")

@@ -1,10 +1,10 @@
-"""What every reader does with damaged files: `python tests/benchmarks/fuzz_readers.py --count 10000` prints how many it read and refused.
+"""Tests every reader with damaged files: `python tests/benchmarks/fuzz_readers.py --count 10000` counts inputs that are read or refused.
 
-Each input is made from its number alone, so that any of them can be made again (`--first N --count 1 --reader scene`). A process of
-its own reads them, with limits on time and memory; where it dies, its input is counted and the next one goes on.
+Each input is made from its number alone, so that any input can be made again (`--first N --count 1 --reader scene`). A separate process
+reads the inputs, with limits on time and memory. Where it dies, the input is counted, and a new process reads the next inputs.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 import os
@@ -39,10 +39,10 @@ from la_core.scene.schema.drawing import Drawing
 from la_core.scene.schema.mesh import Mesh
 from la_core.scene.shipped import find
 
-SECONDS = 5.0  # of the processor, for one input
-PATIENCE = 120.0  # s, for one that waits
+SECONDS = 5.0  # processor seconds for one input
+PATIENCE = 120.0  # s of wall time for one input
 MEMORY = 3 * 2**30  # bytes of address space for the process that reads
-SMALL = 40  # blocks: scenes of as many are modelled, too
+SMALL = 40  # blocks; scenes with no more blocks are modelled, too
 SCENES = (
     "two_pads", "trilith", "two_blocks", "arch_spreading", "arch_diagonal", "flat_arch", "slab_four_corners", "dome_sector",
     "wall_third", "facade", "vault_spreading", "corner_settling_end", "ferris_tin_loi_1", "rubble_wall", "building_corner",
@@ -59,7 +59,7 @@ INTRODUCTION = (
 
 @dataclass(frozen=True)
 class Reader:
-    """What is damaged and how it is read: `attempt` raises SceneError or ExchangeError for an input that is refused."""
+    """A reader and its damaged inputs. `attempt` reads one input and raises SceneError or ExchangeError where it is refused."""
 
     name: str
     what: str
@@ -67,7 +67,7 @@ class Reader:
 
 
 def readers(folder: Path) -> list[Reader]:
-    """All readers, with the whole files that are damaged, made in `folder`."""
+    """Return all readers. Their files are written in `folder`."""
     return [
         Reader("scene", "shipped scenes (TOML), small ones up to their model", _scene_attempt()),
         *(Reader(name, f"{what} of a wall's blocks", _mesh_attempt(suffix, content)) for name, what, suffix, content in _mesh_files()),
@@ -86,7 +86,7 @@ def _scene_attempt() -> Callable[[random.Random], None]:
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
-            raise SceneError(name, "not UTF-8 text") from error  # as a scene's file is read
+            raise SceneError(name, "not UTF-8 text") from error  # as the reader of scene files does
         scene = scene_of_text(text, find(name), name)
         if len(scene.blocks) <= SMALL:
             structural_model(scene)
@@ -180,7 +180,7 @@ def _exchange_readers(folder: Path) -> Iterator[Reader]:
 
 
 def outcome(reader: Reader, number: int) -> str:
-    """What a reader does with the input of that number."""
+    """Return a reader's outcome for the input of this number."""
     try:
         reader.attempt(random.Random(f"{reader.name} {number}"))
     except (SceneError, ExchangeError) as error:
@@ -191,7 +191,7 @@ def outcome(reader: Reader, number: int) -> str:
 
 
 def outcomes(reader: Reader, numbers: range) -> Iterator[tuple[int, str]]:
-    """Number and outcome of every input, from processes of their own: one that dies is counted and followed by the next."""
+    """Yield number and outcome of every input, from separate processes. A process that dies is counted and replaced."""
     while numbers:
         listen, tell = os.pipe()
         child = os.fork()
@@ -213,12 +213,12 @@ def outcomes(reader: Reader, numbers: range) -> Iterator[tuple[int, str]]:
 
 
 def _tell_all(reader: Reader, numbers: range, tell: int) -> None:
-    """The process that reads: one line for each input; the system ends it where one takes too long."""
+    """Read the inputs in the child process, and write one line for each. The system ends the process where an input takes too long."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # libraries' own words
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # drops the messages of libraries
     for number in numbers:
-        signal.setitimer(signal.ITIMER_PROF, SECONDS)  # their signals end a process that does not handle them
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)  # the signals of both timers end the process
         signal.setitimer(signal.ITIMER_REAL, PATIENCE)
         found = outcome(reader, number)
         signal.setitimer(signal.ITIMER_PROF, 0.0)
@@ -227,7 +227,7 @@ def _tell_all(reader: Reader, numbers: range, tell: int) -> None:
 
 
 def table(counts: dict[str, Counter[str]], whats: dict[str, str], count: int) -> str:
-    """The counts as Markdown."""
+    """Return the counts as Markdown."""
     rows = [*INTRODUCTION, f"`python tests/benchmarks/fuzz_readers.py --count {count} --write comparison/gallery/fuzz.md`", ""]
     rows += [f"{count} inputs for each reader.", ""]
     rows += ["| input | read | refused in words | anything else |", "|---|---|---|---|"]
@@ -238,7 +238,7 @@ def table(counts: dict[str, Counter[str]], whats: dict[str, str], count: int) ->
 
 
 def main() -> int:
-    """Command: exit code 1 where a reader did anything but read or refuse."""
+    """Run the command. Return 1 where a reader did anything but read or refuse."""
     parser = argparse.ArgumentParser(description="Damaged files, and what the readers do with them.")
     parser.add_argument("--count", type=int, default=200, help="inputs for each reader")
     parser.add_argument("--first", type=int, default=0, help="number of the first input")

@@ -48,7 +48,7 @@ def tables(number: int, random: Random) -> tuple[str, str, Tables]:
 
 
 def is_fit(scene: Scene) -> bool:
-    """Whether a scene has neither too few nor too many blocks, and stands."""
+    """Return True if a scene stands and has neither too few nor too many blocks."""
     return LEAST_BLOCKS <= int(scene.blocks.free.sum()) <= MOST_BLOCKS and _stands(scene)
 
 
@@ -74,7 +74,7 @@ def _sign(random: Random) -> float:
 
 
 def _settlement(random: Random, motion: str, pivot: list[float], axis: list[float], space: bool) -> Tables:
-    """Return the motion of a support; one that turns does so about an axis through `pivot`."""
+    """Return the motion of a support. A turning support rotates about an axis through `pivot`."""
     if motion == "turning":
         return {"settlement": {"axis": axis, "point": pivot}}
     aside = random.uniform(0.1, 0.8) * _sign(random) if motion == "oblique" else 0.0
@@ -83,7 +83,7 @@ def _settlement(random: Random, motion: str, pivot: list[float], axis: list[floa
 
 
 def _load(random: Random, motion: str, space: bool) -> Tables:
-    """Return a push in a nearly level direction, or a tilt: along x in the plane."""
+    """Return a push in a nearly level direction, or a tilt. In the plane both act along x."""
     angle = random.uniform(0.0, 2.0 * np.pi) if space else 0.5 * np.pi * (1.0 - _sign(random))
     level = [round(float(np.cos(angle)), 3), round(float(np.sin(angle)), 3), 0.0]
     if motion == "tilted":

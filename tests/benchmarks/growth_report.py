@@ -1,4 +1,4 @@
-"""How time and memory grow: power laws fitted to measurements, their tables in Markdown and their figure."""
+"""Growth of time and memory: power laws fitted to measurements, their tables in Markdown and their figure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from comparison.numbers import percent
 from comparison.studies.figure_of_cost import MARKERS
 from la_core.text_table import number_text
 
-LARGER = 0.1  # of the largest size: sizes from there on are fitted
-FEWEST = 3  # sizes of a fit: a line through two has no error
-SMALL_SHARE = 0.1  # of an analysis outside the solver
+LARGER = 0.1  # share of the largest size; larger sizes are fitted
+FEWEST = 3  # least number of sizes of a fit; a line through two sizes has no error
+SMALL_SHARE = 0.1  # of the time of an analysis, outside the solver
 DIMENSIONS = {"plane": {"linestyle": "-"}, "3D": {"linestyle": "--", "markerfacecolor": "white"}}
 INTRODUCTION = """\
 Running-bond walls with as many courses as blocks per course settle under a third of their base, and every block is modelled. The tables
@@ -40,7 +40,7 @@ prediction may be another method: that of version 0.2.0 was a sequence of cone p
 
 @dataclass(frozen=True)
 class Growth:
-    """values = factor * blocks ** exponent; error: standard error of the exponent; sizes: fitted."""
+    """A power law, values = factor * blocks ** exponent. error: standard error of the exponent; sizes: the sizes fitted."""
 
     exponent: float
     error: float
@@ -52,7 +52,7 @@ class Growth:
 
 
 def fit(blocks: Sequence[int], values: Sequence[float]) -> Growth | None:
-    """Least squares in logarithms over the larger sizes, at least three of them; None where there are fewer."""
+    """Fit the larger sizes, at least three, by least squares in logarithms. None where there are fewer, or a value is not positive."""
     order = np.argsort(blocks)
     sizes, measured = np.array(blocks)[order], np.array(values, dtype=float)[order]
     first = min(int(np.searchsorted(sizes, LARGER * sizes[-1])), len(sizes) - FEWEST) if len(sizes) >= FEWEST else len(sizes)
@@ -68,12 +68,12 @@ def fit(blocks: Sequence[int], values: Sequence[float]) -> Growth | None:
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """A Markdown table; numbers with two significant digits, so that a second run differs little."""
+    """Return a Markdown table. Numbers have two significant digits, so that a second run differs little."""
     return "\n".join([row(heads), row(["---"] * len(heads)), *map(row, rows)])
 
 
 def row(values: Sequence[object]) -> str:
-    """One line of such a table."""
+    """Return one line of a Markdown table."""
     return "| " + " | ".join(map(_cell, values)) + " |"
 
 
@@ -84,7 +84,7 @@ def _cell(value: object) -> str:
 
 
 def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: Sequence[str]) -> str:
-    """Exponents of every quantity by method and dimension."""
+    """Return a table of the exponents of every quantity, by method and dimension."""
     rows = []
     for (method, dimension), measured in series.items():
         found = [fit(*_points(measured, quantity)) for quantity in quantities]
@@ -94,13 +94,13 @@ def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: S
 
 
 def _points(measured: Sequence[dict[str, Any]], quantity: str) -> tuple[list[int], list[float]]:
-    """Blocks and values of a quantity where it was measured; a run that did not end has none."""
+    """Return blocks and values of a quantity where it was measured. A run that did not end has no value."""
     known = [one for one in measured if quantity in one]
     return [one["blocks"] for one in known], [one[quantity] for one in known]
 
 
 def beside(before: Sequence[dict[str, Any]], measured: Sequence[dict[str, Any]], version: str) -> str:
-    """The seconds of an earlier version beside today's: exponents over the sizes that both measured, then every such size."""
+    """Return the seconds of an earlier version beside today's: exponents over the sizes that both measured, then every such size."""
     today = {_size(one): one for one in measured}
     both = [(one, today[_size(one)]) for one in before if _size(one) in today and "seconds" in one]
     powers, rows = [], []
@@ -126,7 +126,7 @@ def _size(one: dict[str, Any]) -> tuple[str, str, int]:
 
 
 def conclusions(measured: Sequence[dict[str, Any]]) -> str:
-    """What follows from the measurements, as a list; what was not measured has no line."""
+    """Return the conclusions from the measurements, as a list. A quantity that was not measured has no line."""
     times = {name: _powers(measured, name, "seconds") for name in ("associated", "Coulomb", "YADE")}
     memory, step = _powers(measured, "associated", "memory"), _powers(measured, "step", "step")
     return sentences(
@@ -144,7 +144,7 @@ def conclusions(measured: Sequence[dict[str, Any]]) -> str:
 
 
 def _powers(measured: Sequence[dict[str, Any]], method: str, quantity: str) -> str:
-    """The growth of a method in the plane and in 3D, in words; empty where too few sizes are known."""
+    """Return the growth of a method in the plane and in 3D, in words; empty where too few sizes are known."""
     found = []
     for dimension, words in (("plane", "in the plane"), ("3D", "in space")):
         growth = fit(*_points([one for one in measured if (one["method"], one["dimension"]) == (method, dimension)], quantity))
@@ -153,7 +153,7 @@ def _powers(measured: Sequence[dict[str, Any]], method: str, quantity: str) -> s
 
 
 def _memory_per_block(measured: Sequence[dict[str, Any]]) -> str:
-    """What one more block takes of the memory between the smallest and the largest size of each method."""
+    """State the memory of one more block, between the smallest and the largest size of each method."""
     found = []
     for method, words in (("associated", "a bound"), ("Coulomb", "the prediction"), ("YADE", "YADE")):
         for dimension in ("plane", "3D"):
@@ -166,7 +166,7 @@ def _memory_per_block(measured: Sequence[dict[str, Any]]) -> str:
 
 
 def _solver_share(measured: Sequence[dict[str, Any]], law: str) -> str:
-    """From which size on the solver takes nine tenths of an analysis, and what the rest takes below it."""
+    """State the size from which the solver takes nine tenths of an analysis, and the time of the rest below this size."""
     sizes, below = [], []
     for dimension, words in (("plane", "in the plane"), ("3D", "in space")):
         rows = sorted(
@@ -191,7 +191,7 @@ def _driver_cost(row: dict[str, Any]) -> str:
 
 
 def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[str, Any]]]]]) -> Figure:
-    """Panels, by the label of their ordinate: the quantity and its series by method and dimension, with fitted lines."""
+    """Draw the panels with fitted lines. panels: by label of the ordinate, the quantity and its series by method and dimension."""
     figure = Figure(figsize=(5.2 * len(panels), 6.0), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (label, (quantity, series)) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels.items(), strict=True):

@@ -1,11 +1,11 @@
-"""Every hard case through limit analysis, YADE and the judge, and their outcomes as a table.
+"""Runs every hard case through limit analysis, YADE and the judge, and writes the outcomes as a table.
 
     python tests/benchmarks/hard_cases_table.py [--quick] [-o comparison/gallery/hard_cases.md] [NAME ...]
 
---quick leaves out YADE's long runs. A refusal or an `inconclusive` is an answer, a wrong one is not.
+--quick leaves out YADE's long runs. A refusal or `inconclusive` is a correct answer; a wrong value is an error.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import math
 import tempfile
@@ -29,7 +29,7 @@ from la_core.model.assembly import assemble
 from la_core.text_table import number_text, over_weight
 
 LONGEST = 120.0  # s of wall time for YADE
-TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded edges
+TOLERANCE = 2e-3  # share of the reaction, or of 1 % of the weight where this is larger; for elastic joints and rounded edges
 INTRODUCTION = """\
 This page has structures that are hard for every program, run through limit analysis, YADE and the checks: unusual units, densities and
 friction, blocks of very different size, joints at the tolerance of geometry, towers, arches at the limit of stability, rubble. A refusal or
@@ -55,7 +55,7 @@ HEAD = (
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a case came to: comparison.json, or why the scene was refused."""
+    """Outcome of a case: the content of comparison.json, or the reason why the scene was refused."""
 
     case: HardCase
     summary: dict[str, Any] | None
@@ -73,7 +73,7 @@ class Outcome:
 
     @property
     def is_right(self) -> bool:
-        """Whether limit analysis says what is known, where something is."""
+        """True if limit analysis gives the known answer, or if no answer is known."""
         if self.case.known == REFUSED or self.summary is None:
             return self.case.known == REFUSED and self.summary is None
         if self.case.known == FALLS:
@@ -82,7 +82,7 @@ class Outcome:
 
 
 def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool = True) -> Outcome:
-    """Take a case through the workflow."""
+    """Run a case through the workflow."""
     try:
         scene = scenes.load(case.text, name="case")
         assembly = assemble(scene)
@@ -94,7 +94,7 @@ def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool 
 
 
 def row(found: Outcome) -> list[str]:
-    """Cells of a case."""
+    """Return the cells of a case."""
     case, summary = found.case, found.summary
     known = case.known if isinstance(case.known, str) else number_text(case.known, 5)
     if summary is None:
@@ -118,14 +118,14 @@ def row(found: Outcome) -> list[str]:
 
 
 def solvers_in_words(others: tuple[OtherSolvers, ...]) -> str:
-    """Whether the static form and HiGHS say the same of least and greatest reaction, and how far they are off, over the weight."""
+    """State whether the static form and HiGHS give the same least and greatest reaction, and their largest difference over the weight."""
     verdict = "agree" if all(other.agree for other in others) else "DISAGREE"
     off = max((other.beyond for other in others if not math.isnan(other.beyond)), default=None)
     return verdict if off is None else f"{verdict}, {number_text(off, 1)}"
 
 
 def page(outcomes: list[Outcome], quick: bool = False) -> str:
-    """The table with the command and the machine that made it, as Markdown."""
+    """Return the table with the command and the machine that made it, as Markdown."""
     facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")
     command = f"python tests/benchmarks/hard_cases_table.py {'--quick ' if quick else ''}-o comparison/gallery/hard_cases.md"
     lines = ["# Hard cases", "", INTRODUCTION, f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]

@@ -14,14 +14,16 @@ OBJ = Path(__file__).parents[2] / "la_core" / "scenes" / "rubble_wall.obj"
 SEED = 2
 LENGTH, DEPTH, HEIGHT = 1.2, 0.4, 1.8  # m
 PER_COURSE, COURSES = 3, 7
-SCATTER = np.array([0.2, 0.0, 0.1])  # of a stone's length, depth and height: how far a point lies from its place in a running bond
-BED = 2.0  # stones go through the wall, so that the structure is plane
+# Largest distance of a point from its place in a running bond, as shares of a stone's length, depth and height. Stones go through the wall,
+# so that the structure is plane.
+SCATTER = np.array([0.2, 0.0, 0.1])
+BED = 2.0  # factor by which heights are stretched
 EDGE = 0.02  # m; no point is nearer to a side of the wall
 FOUNDATION, SETTLING = 0.2, 0.5  # m: depth; share of the length that settles
 
 
 def points(seed: int = SEED) -> np.ndarray:
-    """Points (N, 3) of the stones, course by course; every other course begins and ends with a half stone."""
+    """Return the points (N, 3) of the stones, m, course by course. Every other course begins and ends with a half stone."""
     chance = np.random.default_rng(seed)
     size = np.array([LENGTH / PER_COURSE, DEPTH, HEIGHT / COURSES])
     places = []
@@ -34,7 +36,7 @@ def points(seed: int = SEED) -> np.ndarray:
 
 
 def stones(seed: int = SEED) -> list[np.ndarray]:
-    """Vertices (n, 3) of every stone, m."""
+    """Return the vertices (n, 3) of every stone, m."""
     stretch, box = np.array([1.0, 1.0, BED]), np.array([LENGTH, DEPTH, HEIGHT])
     inside = points(seed) * stretch
     mirrored = [inside]
@@ -48,7 +50,7 @@ def stones(seed: int = SEED) -> list[np.ndarray]:
 
 
 def foundation() -> dict[str, np.ndarray]:
-    """The two blocks that the wall stands on."""
+    """Return the vertices of the two blocks that the wall stands on, m."""
     split = (1.0 - SETTLING) * LENGTH
 
     def corners(start: float, end: float) -> np.ndarray:
@@ -58,7 +60,7 @@ def foundation() -> dict[str, np.ndarray]:
 
 
 def obj(bodies: dict[str, np.ndarray]) -> str:
-    """Convex bodies as the text of an OBJ file, hull by hull in triangles that run counter-clockwise seen from outside."""
+    """Return convex bodies as the text of an OBJ file. Each hull has triangles that run counter-clockwise seen from outside."""
     lines, first = [], 1
     for name, vertices in bodies.items():
         hull = ConvexHull(vertices)
@@ -74,7 +76,7 @@ def obj(bodies: dict[str, np.ndarray]) -> str:
 
 
 def rubble_wall(seed: int = SEED) -> str:
-    """The whole file."""
+    """Return the text of the whole file."""
     head = "# Made by tests/benchmarks/make_rubble_wall.py, m: stones are Voronoi cells in a wall, on a foundation in two blocks.\n"
     return head + obj({**foundation(), **{f"stone {k}": vertices for k, vertices in enumerate(stones(seed), 1)}})
 

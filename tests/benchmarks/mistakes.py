@@ -1,4 +1,4 @@
-"""Mistakes that somebody could make in a model: each changes the tables of a random scene in one place."""
+"""Possible mistakes in a model. Each changes the tables of a random scene in one place."""
 
 import copy
 import math
@@ -11,7 +11,7 @@ from la_core.geometry import find_interfaces
 from la_core.scene import Scene
 
 Tables = dict[str, Any]
-LOWER, HEAVIER, SMOOTH, FORGOTTEN = 0.9, 1.25, 0.05, 0.05  # of a friction, of a density; friction of a smooth joint; of the weight
+LOWER, HEAVIER, SMOOTH, FORGOTTEN = 0.9, 1.25, 0.05, 0.05  # factors of friction, density; friction of a smooth joint; share of the weight
 ASIDE, ASLANT, SHIFT, INSET = math.radians(10.0), math.radians(1.0), 0.1, 5e-3  # rad, rad, m, m
 
 
@@ -74,7 +74,7 @@ MISTAKES: dict[str, Callable[[Tables, Scene, np.random.Generator], None]] = {
 
 
 def with_mistake(name: str, tables: Tables, scene: Scene, random: np.random.Generator) -> Tables:
-    """Return the tables of a scene with a mistake; random: chooses the block or joint that it concerns."""
+    """Return the tables of a scene with a mistake; random: chooses the affected block or joint."""
     wrong = copy.deepcopy(tables)
     MISTAKES[name](wrong, scene, random)
     return wrong

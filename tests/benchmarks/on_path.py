@@ -1,4 +1,4 @@
-"""Lets a script that is run by hand import this checkout, and what the tests share; pytest does so by its own settings."""
+"""Lets a script that is run by hand import this checkout and the shared modules of the tests. pytest has settings for this."""
 
 import sys
 from pathlib import Path

@@ -1,10 +1,10 @@
 """A whole command, `crosscheck solve FILE --bounds`, and the same command with HiGHS in place of our solver.
 
-Both read the file, find the joints, compute both bounds with and without inset, check them and print them. Every command is a process of
-its own with one thread. HiGHS builds its matrices anew for each bound; our solver shares them.
+Both read the file, find the joints, compute both bounds with and without inset, check them and print them. Every command runs in
+its own process with one thread. HiGHS builds its matrices anew for each bound; our solver shares them.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import json
 import math
 import os
@@ -50,10 +50,10 @@ sys.exit(code if bool(solved) == bool(algorithm) else "the bounds were not compu
 
 @dataclass(frozen=True)
 class Command:
-    """One method in the command on one wall.
+    """The command with one method on one wall.
 
-    processor: seconds of the processor of the whole process, one for each repeat. value: least reaction over the weight. limit: seconds
-    after which it was ended. note: why it has no answer.
+    processor: processor seconds of the whole process, one for each repeat. value: least reaction over the weight. limit: processor seconds
+    after which the command was ended. note: reason for a missing answer.
     """
 
     blocks: int
@@ -70,15 +70,15 @@ class Command:
 
 
 def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
-    """Return the least reaction over the weight, and the seconds of the processor of the whole process.
+    """Return the least reaction over the weight, and the processor seconds of the whole process.
 
-    Raises PeerEnded where there is no answer, or none after `limit` seconds of the processor.
+    Raises PeerEnded where there is no answer, and PeerTooSlow where there is none after `limit` processor seconds.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wall.toml"
         path.write_text(tomli_w.dumps(wall_tables(BLOCK, *WALLS[blocks])), encoding="utf-8")
         command, before = [sys.executable, "-c", PROGRAMME, str(path), HIGHS.get(method, "")], os.times()
-        end_at_limit = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit + 1))  # then SIGXCPU, and not SIGKILL
+        end_at_limit = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit + 1))  # the first limit sends SIGXCPU, not SIGKILL
         done = subprocess.run(
             command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, preexec_fn=end_at_limit, check=False
         )  # fmt: skip
@@ -93,7 +93,7 @@ def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
 
 
 def ratios(commands: Sequence[Command]) -> dict[int, float]:
-    """Seconds of the faster of HiGHS's algorithms over ours, by the number of blocks."""
+    """Return the seconds of HiGHS's fastest algorithm over ours, by number of blocks."""
     own = {one.blocks: one.seconds for one in commands if one.method == OURS and math.isfinite(one.seconds)}
     found = {}
     for blocks, seconds in own.items():
@@ -104,7 +104,7 @@ def ratios(commands: Sequence[Command]) -> dict[int, float]:
 
 
 def command_table(commands: Sequence[Command]) -> str:
-    """Markdown of the commands, in their order."""
+    """Return the table of the commands as Markdown, in their order."""
     own = {one.blocks: one.seconds for one in commands if one.method == OURS}
     lines = [
         (
@@ -117,6 +117,6 @@ def command_table(commands: Sequence[Command]) -> str:
 
 
 def conclusion(commands: Sequence[Command]) -> str:
-    """What follows, as a sentence."""
+    """Return the conclusion as a sentence; empty without a ratio."""
     found = [f"{number(ratio)} times as long on {blocks:,} blocks" for blocks, ratio in ratios(commands).items()]
     return f"With HiGHS in place of our solver, the whole command for the bounds takes {listed(found)}." if found else ""

@@ -1,11 +1,11 @@
-"""A settlement followed in time: YADE and LMGC90 on the same blocks, friction and support motion, held against our prediction.
+"""A settlement followed in time: YADE and LMGC90 on the same blocks, friction and support motion, compared with our prediction.
 
 LMGC90 (contact dynamics: rigid blocks, implicit steps, non-smooth contact) is driven through `compas_lmgc90`, which passes on blocks,
-one contact law, imposed velocities, poses and contact forces. Its contact points are the sharp corners of the interfaces, four of
-each, found by itself; there is no inset and no plane model. The tolerance of its Gauss-Seidel solver is compiled in (1.666e-4 of the
-quadratic norm), its steps have no damping but their own.
-Each reaction is that of a line fitted over the plateau, at a settlement of zero, as a structure that has not moved yet would have it.
-Seconds are of the whole run from the scene to the reaction, YADE's start included.
+one contact law, imposed velocities, poses and contact forces. LMGC90 finds its own contact points, four sharp corners of each interface;
+it has no inset and no plane model. The tolerance of its Gauss-Seidel solver is compiled in (1.666e-4 of the quadratic norm). Its steps
+have only their numerical damping.
+Each reaction is the value at zero settlement of a line fitted to the plateau: the reaction of a structure that has not moved yet.
+Seconds are for the whole run from the scene to the reaction, YADE's start included.
 """
 
 import importlib
@@ -30,18 +30,18 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
 DYNAMIC = ("arch_spreading", "wall_third")
-SPEED, TRAVEL = 0.002, 0.35e-3  # m/s, m: about where YADE finds its plateau steady and stops
-REST, RAMP = 0.05, 0.02  # s: at rest under gravity, then until the support has its speed
-DROPPED = 0.3  # of the travel, before the fit
-STEPS = (2e-3, 1e-3, 5e-4)  # s of LMGC90
-ALERT = 1e-3  # m: gap up to which LMGC90 looks for contacts; below any between blocks without a joint
+SPEED, TRAVEL = 0.002, 0.35e-3  # m/s, m; at about this travel YADE finds its plateau steady and stops
+REST, RAMP = 0.05, 0.02  # s: time at rest under gravity, then time until the support has its speed
+DROPPED = 0.3  # share of the travel that the fit leaves out at its start
+STEPS = (2e-3, 1e-3, 5e-4)  # s, time steps of LMGC90
+ALERT = 1e-3  # m, gap up to which LMGC90 searches contacts; smaller than any gap between blocks without a joint
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run. reaction and scatter over the weight; settlement asked for and achieved, m; steps of time; seconds.
+    """One run. reaction, scatter: over the weight; asked, achieved: settlement, m; steps: number of time steps; processor, clock: s.
 
-    predicted: our Coulomb prediction on the same contact points: drawn in by the inset in YADE, sharp in LMGC90.
+    predicted: our Coulomb prediction over the weight, on the same contact points: with the inset for YADE, sharp for LMGC90.
     """
 
     scene: str
@@ -60,7 +60,7 @@ class Run:
 
 
 def predict(name: str) -> Iterator[Run]:
-    """Our own verdict on either set of contact points."""
+    """Yield our prediction on both sets of contact points."""
     scene = SCENES[name]()
     for setting, inset in (("inset", shared_inset(scene)), ("sharp", 0.0)):
         coulomb(scene, inset, PredictionSettings())  # to warm up
@@ -71,7 +71,7 @@ def predict(name: str) -> Iterator[Run]:
 
 
 def yade(name: str) -> Iterator[Run]:
-    """YADE with the settings that the program derives, through the program's own run."""
+    """Run YADE as the program does, with the settings that it derives."""
     scene, found = SCENES[name](), find_yade()
     with tempfile.TemporaryDirectory() as folder:
         spent = _stopwatch()
@@ -87,7 +87,7 @@ def yade(name: str) -> Iterator[Run]:
 
 
 def lmgc90(name: str, step: float) -> Iterator[Run]:
-    """LMGC90 with one step of time, s."""
+    """Run LMGC90 with one time step, s."""
     package = importlib.import_module("compas_lmgc90._lmgc90")
     scene = SCENES[name]()
     spent = _stopwatch()
@@ -108,12 +108,12 @@ def lmgc90(name: str, step: float) -> Iterator[Run]:
 
 
 def words(step: float) -> str:
-    """A step of LMGC90 in words."""
+    """Return a time step of LMGC90, s, in words."""
     return f"step {1e3 * step:g} ms"
 
 
 def _set_up(solver: object, scene: Scene, assembly: Assembly, step: float) -> None:
-    """Hand over material, friction, blocks and the motion of those that are held."""
+    """Pass material, friction, blocks and the motion of held blocks to the solver."""
     blocks = assembly.blocks
     solver.initialize(step, 0.5, False)
     densities = np.unique(blocks.density[blocks.free])
@@ -137,7 +137,7 @@ def _set_up(solver: object, scene: Scene, assembly: Assembly, step: float) -> No
 
 
 def _follow(solver: object, assembly: Assembly, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Settlement (T,) and reaction (T,), in m and N, along the support's unit motion at every step."""
+    """Return settlement (T,) and reaction (T,), in m and N, along the support's unit motion at every step."""
     support = np.flatnonzero(assembly.blocks.role == SUPPORT)
     direction = assembly.support_twist[support[0], :3]
     start = np.array(solver.get_initial_state().bodies)[support[0]]
@@ -153,7 +153,7 @@ def _follow(solver: object, assembly: Assembly, step: float) -> tuple[np.ndarray
 
 
 def _stopwatch() -> Callable[[], dict[str, float]]:
-    """Seconds since now of this process and of those it has waited for, and of the clock."""
+    """Return a function that gives the processor seconds since now, with those of ended child processes, and the wall seconds."""
 
     def used() -> float:
         own, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -1,11 +1,11 @@
 """Static equilibrium by compas_cra on the same blocks, contact points and friction as ours.
 
-compas_cra asks whether a structure stands: supports do not move and no reaction is minimised, so what is posed is any equilibrium
-of the structure with its settling support at rest. Our forces at the least reaction are one, so our time is that of the harder problem.
-    RBE: rigid-block equilibrium, tension allowed at a penalty, friction in octagons about the cones (convex, quadratic);
-    CRA: the same coupled with a virtual displacement of each block (Kao et al. 2022, doi 10.1016/j.cad.2022.103216; not convex).
-Weights are handed over relative to the mean block, the scale its tolerances are meant for. Timed is its solver, IPOPT, alone: its
-matrices are built in Python loops that take longer.
+compas_cra asks whether a structure stands. Its supports do not move and it minimises no reaction, so it finds any equilibrium of the
+structure with the settling support at rest. Our forces at the least reaction are such an equilibrium: we solve the harder problem.
+    RBE (rigid-block equilibrium): tension allowed at a penalty, friction in octagons about the cones (convex, quadratic);
+    CRA: RBE coupled with a virtual displacement of each block (Kao et al. 2022, doi 10.1016/j.cad.2022.103216; not convex).
+Weights are passed relative to the mean block, the scale for which its tolerances are meant. Only its solver, IPOPT, is timed: the Python
+loops that build its matrices take longer.
 """
 
 import time
@@ -19,7 +19,7 @@ METHODS = {"compas_cra RBE": "rbe", "compas_cra CRA penalty": "cra_penalty", "co
 
 
 def equilibrium(assembly: Assembly, name: str) -> tuple[bool, str, np.ndarray, float, float]:
-    """Whether it believes in its answer, its own word, contact forces (C, 3) in N, seconds of the processor and of the clock."""
+    """Return compas_cra's flag of success, its status message, contact forces (C, 3) in N, processor seconds and wall seconds."""
     from compas_cra.equilibrium import cra_native, cra_nlp
     from compas_cra.nlp import solve_nlp
 
@@ -38,12 +38,12 @@ def equilibrium(assembly: Assembly, name: str) -> tuple[bool, str, np.ndarray, f
 
 
 def residual(assembly: Assembly, forces: np.ndarray) -> float:
-    """Largest residual that an equilibrium has: of the balance of each block and of the friction cones."""
+    """Return the largest residual of an equilibrium: of the balance of each block and of the friction cones."""
     return max(residuals.equilibrium_residual(assembly, forces), residuals.cone_violation(assembly, forces))
 
 
 def _structure(assembly: Assembly) -> tuple[object, np.ndarray]:
-    """compas_cra's assembly, and our contact point (C,) for each of its in its order."""
+    """Return compas_cra's assembly, and the index of our contact point (C,) for each contact point of compas_cra."""
     from compas.geometry import Frame
     from compas_assembly.datastructures import Block
     from compas_cra.datastructures import CRA_Assembly

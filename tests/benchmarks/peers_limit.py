@@ -1,7 +1,7 @@
-"""One limit analysis posed to solvers that a user might pick instead of ours: the same rows, cones, offset and power for all.
+"""The same limit analysis by solvers that a user might choose instead of ours: the same rows, cones, offset and power for all.
 
-All but HiGHS get the kinematic form of `la_core.limit.DrivenProblem`, as clarabel does; HiGHS gets the static one, which
-`la_core.limit.linearised` found no slower. Timed are the conversion to the solver's own format, its set-up and its solve.
+All solvers except HiGHS get the kinematic form of `la_core.limit.DrivenProblem`, as clarabel does. HiGHS gets the static form, which
+`la_core.limit.linearised` found no slower. The time is that of the conversion to the solver's format, its set-up and its solve.
 """
 
 import importlib
@@ -26,12 +26,12 @@ from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, driven_problem
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 
-TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # asked of a solver in turn until the recomputed residuals are small enough
-PATIENCE = 2  # tolerances in a row that bring nothing better, after which a solver is not asked for less
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # tried in turn until the recomputed residuals are small enough
+PATIENCE = 2  # tolerances in a row without a smaller residual, after which no further tolerance is tried
 MOST_ITERATIONS = 1_000
-MOST_STEPS = 10_000_000  # of a first-order method: the time limit ends it
-LARGE = 500  # blocks: above, HiGHS gets the coarsest polygon alone
-REPEATS = ((0.1, 9), (0.5, 5), (3.0, 2))  # as many below so many seconds; else once
+MOST_STEPS = 10_000_000  # of a first-order method, which the time limit ends first
+LARGE = 500  # blocks; of larger structures HiGHS gets the coarsest polygon alone
+REPEATS = ((0.1, 9), (0.5, 5), (3.0, 2))  # (seconds, repeats): repeats of a solve of fewer seconds; a slower solve runs once
 HIGHS = {"HiGHS interior point": "highs-ipm", "HiGHS dual simplex": "highs-ds"}
 
 Raw = tuple[np.ndarray, np.ndarray, int]  # x, multipliers of the rows, iterations
@@ -39,7 +39,7 @@ Raw = tuple[np.ndarray, np.ndarray, int]  # x, multipliers of the rows, iteratio
 
 @dataclass(frozen=True)
 class Attempt:
-    """One solve: its certified solution, and seconds of the processor and of the clock."""
+    """One solve: its certified solution, its processor seconds and wall seconds."""
 
     solution: Solution
     processor: float
@@ -47,7 +47,7 @@ class Attempt:
 
     @property
     def residual(self) -> float:
-        """Largest recomputed residual, infinite where there is no answer."""
+        """Largest recomputed residual; infinite where there is no answer."""
         one = self.solution
         worst = max(one.equilibrium_residual, one.cone_violation, one.mechanism_violation, one.duality_gap)
         return worst if math.isfinite(worst) else math.inf
@@ -98,7 +98,7 @@ SOLVERS = (OURS, *HIGHS, *FOREIGN)
 
 
 def measure(scene: str, solver: str) -> Iterator[Row]:
-    """The row of a solver on a scene, again and again as it becomes better known; HiGHS has one row for each polygon."""
+    """Yield the row of a solver on a scene, again after each better solve and each repeat. HiGHS has one row for each polygon."""
     assembly = assemble(SCENES[scene]())
     if solver in LINEAR_ONLY and not assembly.effects.plane:
         yield Row(scene, solver, "–", LEAST_REACTION, CANNOT, note="linear and quadratic programmes only")
@@ -125,7 +125,7 @@ def measure(scene: str, solver: str) -> Iterator[Row]:
 
 
 def measure_equilibrium(scene: str, solver: str) -> Iterator[Row]:
-    """The row of a method of compas_cra on a scene."""
+    """Yield the row of a method of compas_cra on a scene, again after each repeat."""
     assembly = assemble(SCENES[scene]())
     for package in ("compas_cra", "compas_cra.equilibrium"):
         importlib.import_module(package)
@@ -140,7 +140,7 @@ def measure_equilibrium(scene: str, solver: str) -> Iterator[Row]:
 
 
 def repeated(row: Row, again: Callable[[], tuple[float, float]], assembly: Assembly) -> Iterator[Row]:
-    """The row with ever more repeats, ours right after each; where there are several, the first solve was to warm up."""
+    """Yield the row after each repeat. Our own solve follows every repeat. Where there are several, the first solve only warms up."""
     count = next((count for seconds, count in REPEATS if row.processor[0] < seconds), 1)
     processor, beside, clock = [], [], []
     for _ in range(count):
@@ -152,21 +152,21 @@ def repeated(row: Row, again: Callable[[], tuple[float, float]], assembly: Assem
 
 
 def ours(assembly: Assembly) -> Attempt:
-    """Our own solve, all its attempts counted."""
+    """Solve by our own solver. The seconds include all its attempts."""
     with timed(associated, "maximise") as spent:
         solution = associated.solve_associated(assembly, Drive.YIELDING)
     return Attempt(solution, *spent)
 
 
 def highs(assembly: Assembly, solver: str, facets: int) -> Attempt:
-    """HiGHS on pyramids inscribed in the cones; in the plane two lines are the cone whatever the facets."""
+    """Solve by HiGHS with pyramids inscribed in the cones. In the plane two lines are the exact cone for any number of facets."""
     with timed(optimize, "linprog") as spent:
         solution = linearised.solve_linearised(assembly, Drive.YIELDING, facets, True, HIGHS[solver])
     return Attempt(solution, *spent)
 
 
 def foreign(assembly: Assembly, solver: str, tolerance: float) -> Attempt:
-    """A solve by any other solver, certified as ours is."""
+    """Solve by another solver, and certify the answer as ours is certified."""
     problem = scaled_problem(assembly)
     driven = driven_problem(assembly, problem, Drive.YIELDING)
     if driven.cones.equalities:
@@ -180,7 +180,7 @@ def foreign(assembly: Assembly, solver: str, tolerance: float) -> Attempt:
 
 @contextmanager
 def timed(owner: Any, name: str) -> Iterator[list[float]]:
-    """Seconds of the processor and of the clock spent in a function, looked up under its name in a module."""
+    """Measure the processor and wall seconds in the function of this name in a module."""
     spent, real = [0.0, 0.0], getattr(owner, name)
 
     def function(*arguments: object, **options: object) -> object:
@@ -195,7 +195,7 @@ def timed(owner: Any, name: str) -> Iterator[list[float]]:
 
 
 def _settings(scene: str, solver: str, assembly: Assembly) -> Iterator[tuple[Row, Callable[[], Attempt]]]:
-    """What a solver is tried with, in turn."""
+    """Yield the settings of a solver in turn, each with the call that solves."""
     blank = Row(scene, solver, "its own", LEAST_REACTION, FAILED)
     if solver == OURS:
         yield blank, lambda: ours(assembly)

@@ -1,4 +1,4 @@
-"""Foreign engines in a process of their own: one may stop, abort or never come back without taking the benchmark along."""
+"""Other solvers in their own processes: one may stop, abort or never end without ending the benchmark."""
 
 import multiprocessing
 import os
@@ -10,27 +10,27 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-LOADING = 600.0  # s of the processor, a last resort: Python, its packages and the arguments
-LOOK = 0.5  # s between two looks at what a process has used
-GRACE = 2.0  # s for a process to end what it has started
-PATIENCE = 10.0  # the clock may run so many times faster than the processor where other work shares the machine
+LOADING = 600.0  # processor seconds to load Python, its packages and the arguments, a last resort
+LOOK = 0.5  # s between two readings of a process's time
+GRACE = 2.0  # s for a process to end its own child processes
+PATIENCE = 10.0  # most wall time over processor time, where other work shares the machine
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
-class PeerEnded(Exception):  # noqa: N818 -- what happened, not whose error
+class PeerEnded(Exception):  # noqa: N818 -- the name of an event
     """The process gave up, died or was ended; the message says which."""
 
 
 class PeerTooSlow(PeerEnded):
-    """The process was ended at its limit of seconds of the processor."""
+    """The process was ended at its limit of processor seconds."""
 
 
 def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float) -> Iterator[Any]:
-    """Yield what a generator function yields in a process of its own, with one thread and its own words silenced.
+    """Run a generator function in its own process, with one thread and its output silenced, and yield its items.
 
-    Raises PeerEnded when it raises, dies, or yields nothing for `limit` seconds of the processor, or a multiple of them by the clock.
-    They count from the moment when the process has loaded what it needs, which takes seconds on a busy machine and is no peer's work.
-    The limit is watched from outside: the system's own limit makes the seconds that a process sees of itself coarse.
+    Raises PeerEnded when the function raises, the process dies, or nothing is yielded for `limit` processor seconds or PATIENCE times as
+    many wall seconds. Time counts once the process has loaded its packages: loading takes seconds on a busy machine and is not the solver's
+    work. This process watches the limit, because the system's own limit makes the time that a process reads of itself coarse.
     """
     os.environ.update(ONE_THREAD)  # read by the libraries of the child when they load
     context = multiprocessing.get_context("spawn")
@@ -63,7 +63,7 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
 
 
 def _wait(connection: Connection, pid: int | None, limit: float) -> None:
-    """Wait for the next message; raises PeerTooSlow when the process has used up its limit since the last one."""
+    """Wait for the next message. Raises PeerTooSlow when the process has used up its limit since the last message."""
     used, clock = _used(pid), time.monotonic()
     while not connection.poll(LOOK):
         if _used(pid) - used > limit or time.monotonic() - clock > PATIENCE * limit:
@@ -71,13 +71,13 @@ def _wait(connection: Connection, pid: int | None, limit: float) -> None:
 
 
 def _used(pid: int | None) -> float:
-    """Seconds of the processor that a process and those it has waited for have used, from Linux' table of processes."""
+    """Return the processor seconds of a process and its ended children, from Linux' table of processes."""
     fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def _run(connection: Connection, function: Callable[..., Iterator[Any]], arguments: tuple) -> None:
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that it ends what it has started, such as YADE
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that it ends its child processes, such as YADE
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)
@@ -88,7 +88,7 @@ def _run(connection: Connection, function: Callable[..., Iterator[Any]], argumen
         connection.send(("end", None))
     except ImportError as error:
         connection.send(("error", f"not installed: {error.name}"))
-    except Exception as error:  # whatever a foreign package raises ends its row, not the run
+    except Exception as error:  # an error of another package ends its row, not the run
         connection.send(("error", f"{type(error).__name__}: {error}"))
 
 

@@ -1,4 +1,4 @@
-"""The page of the comparison with peers: what was run on what, both tables, and what each peer cannot do."""
+"""The page of the comparison with peers: machine and versions, conclusions, the tables, and the limits of each peer."""
 
 import importlib.metadata
 import math
@@ -17,7 +17,7 @@ from la_core.limit.problem import ACCEPTED
 
 PACKAGES = ("ecos", "scs", "qoco", "piqp", "compas_cra", "compas_lmgc90")
 
-AHEAD, LEVEL = 0.9, 1.1  # of our time: below the first a peer is ahead, up to the second it is level
+AHEAD, LEVEL = 0.9, 1.1  # shares of our time: a peer below the first is ahead, a peer below the second is level
 
 INTRODUCTION = """\
 Our limit analysis and other solvers (the peers) solve the same problems in one run, and YADE and LMGC90 follow the same settlements.
@@ -92,7 +92,7 @@ the whole process, from the start of Python, as the median of {REPEATS} runs in 
 def page(
     command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run], versions: str, whole: Sequence[Command] = (), made_by: str = ""
 ) -> str:
-    """The whole page as Markdown. limit: seconds for one solve; versions, made_by: what made the rows, the commands."""
+    """Return the page as Markdown. limit: seconds for one solve; versions, made_by: versions that made the rows and the commands."""
     parts = ["# Other solvers (peers), compared in one run\n", INTRODUCTION, f"```console\n$ {command}\n```\n", f"{versions}\n"]
     parts.append(marked("conclusions", conclusions(rows, runs, whole)) + "\n")
     if rows:
@@ -105,7 +105,7 @@ def page(
 
 
 def conclusions(rows: Sequence[Row], runs: Sequence[Run], whole: Sequence[Command] = ()) -> str:
-    """What follows from the rows, as a list."""
+    """Return the conclusions from the rows, as a list."""
     scenes = list(dict.fromkeys(row.scene for row in rows))
     timed = [row for row in rows if row.status == SOLVED and row.solver != OURS and math.isfinite(row.ratio)]
     highs = {scene: _best(timed, scene, "HiGHS") for scene in scenes}
@@ -126,12 +126,12 @@ def conclusions(rows: Sequence[Row], runs: Sequence[Run], whole: Sequence[Comman
 
 
 def _best(timed: Sequence[Row], scene: str, solver: str) -> float | None:
-    """The least ratio of a solver's settings on a scene; None where it certifies no answer."""
+    """Return the least ratio of a solver's settings on a scene; None where it certifies no answer."""
     return min((row.ratio for row in timed if row.scene == scene and row.solver.startswith(solver)), default=None)
 
 
 def _closest(timed: Sequence[Row]) -> str:
-    """Who is ahead of us, and who is level."""
+    """State the peers that are faster than we are, and the peers that are about as fast."""
     ahead, level = ([f"{row.solver} on {row.scene} ({number(row.ratio)})" for row in timed if low <= row.ratio < high]
                     for low, high in ((0.0, AHEAD), (AHEAD, LEVEL)))  # fmt: skip
     words = f"We are not ahead everywhere. Faster than we are: {listed(ahead)}." if ahead else "No peer is faster than we are."
@@ -139,7 +139,7 @@ def _closest(timed: Sequence[Row]) -> str:
 
 
 def _certified(timed: Sequence[Row], scene: str) -> str:
-    """Where a single peer certifies the least reaction, its name and time."""
+    """State name and time of the peer where a single peer certifies the least reaction; else return an empty text."""
     found = [row for row in timed if row.scene == scene and row.posed != EQUILIBRIUM]
     if len({row.solver for row in found}) != 1:
         return ""
@@ -147,7 +147,7 @@ def _certified(timed: Sequence[Row], scene: str) -> str:
 
 
 def _settlements(runs: Sequence[Run]) -> list[str]:
-    """What LMGC90 takes beside YADE, and by how much it differs from the prediction."""
+    """State the seconds of LMGC90 and YADE, and the difference of LMGC90's reaction from the prediction."""
     lines = []
     for scene in dict.fromkeys(run.scene for run in runs):
         peers, yade = ([run for run in runs if (run.scene, run.method) == (scene, method)] for method in ("LMGC90", "YADE"))
@@ -163,7 +163,7 @@ def _settlements(runs: Sequence[Run]) -> list[str]:
 
 
 def dynamics_table(runs: Sequence[Run]) -> str:
-    """Markdown of the runs in time, in their order."""
+    """Return the table of the runs in time as Markdown, in their order."""
     own = {(run.scene, run.setting): run.processor for run in runs if run.method == "limit analysis"}
     heads = (
         "scene", "method", "setting", "status", "R/W", "predicted", "difference", "scatter", "asked mm", "achieved mm", "steps",
@@ -189,7 +189,7 @@ def _fixed(value: float, places: int) -> str:
 
 
 def versions(peers: Sequence[str] = PACKAGES) -> str:
-    """Machine and versions in a paragraph; YADE's where there are peers beside HiGHS."""
+    """Return machine and versions in a paragraph, with YADE's where there are peers beside HiGHS."""
     known = describe()
     found = {name: _version(name) for name in peers}
     try:

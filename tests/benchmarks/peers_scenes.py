@@ -1,6 +1,6 @@
-"""Scenes of the comparison with peers: the shipped arch, wall and corner, and walls that grow, in the plane and in space."""
+"""Scenes of the comparison with peers: the shipped arch, wall and corner, and walls of growing size, in the plane and in space."""
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 from collections.abc import Callable
 from functools import partial
 

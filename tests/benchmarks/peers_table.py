@@ -1,4 +1,4 @@
-"""Rows of the comparison with peers, their record, and how they are written: few digits and fixed columns, so that the file diffs well."""
+"""Rows of the comparison with peers, their record and their tables. Few digits and fixed columns keep changes of the file small."""
 
 import math
 from collections.abc import Sequence
@@ -9,18 +9,18 @@ from typing import TypeVar
 LEAST_REACTION, EQUILIBRIUM = "least reaction", "any equilibrium"
 SOLVED, INACCURATE, FAILED, CANNOT = "solved", "inaccurate", "failed", "cannot pose"
 OURS = "clarabel, ours"
-LEAST_WIDTH = {"CPU s": 7, "range": 18, "clock s": 7, "ratio": 7}  # of columns whose entries change from run to run
+LEAST_WIDTH = {"CPU s": 7, "range": 18, "clock s": 7, "ratio": 7}  # characters, of columns whose entries change from run to run
 Kind = TypeVar("Kind")
-LEAST_ERROR = 1e-10  # smaller differences of a value are round-off: they count as this
+LEAST_ERROR = 1e-10  # relative; smaller errors are round-off and count as this
 
 
 @dataclass(frozen=True)
 class Row:
-    """One solver on one scene. value: reaction over the weight; residual: the largest recomputed one; NaN where undefined.
+    """One solver on one scene. value: reaction over the weight; residual: the largest recomputed residual; NaN where undefined.
 
-    processor: seconds of the processor, one for each repeat; beside: those of our solve that followed it in the same process;
-    clock: of the clock. limit: seconds of the processor after which it was ended without an answer. note: why there is none, or what the
-    solver says of itself.
+    processor: processor seconds of each repeat; beside: processor seconds of our solve that followed the repeat in the same process; clock:
+    wall seconds of each repeat. limit: processor seconds after which the solver was ended without an answer. note: reason for a missing
+    answer, or the solver's own message.
     """
 
     scene: str
@@ -38,35 +38,35 @@ class Row:
 
     @property
     def key(self) -> str:
-        """What two states of one row share: a solver has a row for each programme that it poses, not for each tolerance it tries."""
+        """Key of a row among a solver's rows: a solver has one row for each programme that it solves, not for each tolerance."""
         return self.setting.partition(",")[2]
 
     @property
     def seconds(self) -> float:
-        """Median over the repeats, of the processor."""
+        """Median of the processor seconds over the repeats."""
         return median(self.processor) if self.processor else math.nan
 
     @property
     def ratio(self) -> float:
-        """Median over the repeats of its seconds over those of ours right after it: other work on the machine slows both."""
+        """Median over the repeats of the solver's seconds over those of our next solve. Other work on the machine slows both."""
         return median(a / b for a, b in zip(self.processor, self.beside, strict=True)) if self.beside else math.nan
 
 
 def best_known(rows: Sequence[Row], scene: str) -> float:
-    """Value of the certified answer with the least residual; NaN where there is none."""
+    """Return the value of the certified answer with the least residual; NaN where there is none."""
     certified = [row for row in rows if (row.scene, row.posed, row.status) == (scene, LEAST_REACTION, SOLVED)]
     return min(certified, key=lambda row: row.residual).value if certified else math.nan
 
 
 def error(row: Row, reference: float) -> float:
-    """Relative error of the least reaction, NaN for a row that did not ask for it."""
+    """Return the relative error of the least reaction; NaN for a row of another problem."""
     if row.posed == LEAST_REACTION and math.isfinite(row.value) and reference:
         return max(abs(row.value - reference) / abs(reference), LEAST_ERROR)
     return math.nan
 
 
 def limit_table(rows: Sequence[Row]) -> str:
-    """Markdown of the rows, in their order."""
+    """Return the table of the rows as Markdown, in their order."""
     heads = ("scene", "solver", "setting", "posed", "status", "R/W", "error", "residual", "CPU s", "range", "clock s", "ratio", "note")
     lines = []
     for row in rows:
@@ -84,7 +84,7 @@ def limit_table(rows: Sequence[Row]) -> str:
 
 
 def summary_table(rows: Sequence[Row]) -> str:
-    """Markdown: for each scene our seconds, HiGHS's better algorithm and the fastest peer, by ratios of certified answers alone."""
+    """Return a Markdown table: by scene our seconds, HiGHS's better algorithm and the fastest peer. Only certified answers count."""
     lines = []
     for scene in dict.fromkeys(row.scene for row in rows):
         certified = [row for row in rows if (row.scene, row.status) == (scene, SOLVED) and math.isfinite(row.ratio)]
@@ -101,17 +101,17 @@ def _fastest(rows: Sequence[Row]) -> tuple[str, str]:
 
 
 def own_seconds(rows: Sequence[Row], scene: str) -> float:
-    """Our own seconds on a scene, NaN where they are not known."""
+    """Return our own seconds on a scene; NaN where unknown."""
     return next((row.seconds for row in rows if (row.scene, row.solver) == (scene, OURS)), math.nan)
 
 
 def at_least(value: float, bound: float) -> str:
-    """A number, or what it is above where there is only a bound."""
+    """Return a number as text; where only a lower bound is known, `>` and the bound."""
     return f"> {number(bound)}" if math.isnan(value) and math.isfinite(bound) else number(value)
 
 
 def number(value: float, digits: int = 2) -> str:
-    """A number with so many significant digits, a dash where there is none."""
+    """Return a number as text with `digits` significant digits; a dash where it is not finite."""
     if not math.isfinite(value):
         return "–"
     rounded = float(f"{value:.{digits - 1}e}")
@@ -122,24 +122,24 @@ def number(value: float, digits: int = 2) -> str:
 
 
 def power(value: float) -> str:
-    """A small number by its power of ten and one digit."""
+    """Return a small number as text: one digit and the power of ten."""
     return f"{value:.0e}" if math.isfinite(value) else "–"
 
 
 def markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """A Markdown table whose columns are as wide as their longest entry, and wide enough for any number."""
+    """Return a Markdown table. Columns are as wide as their longest entry, and at least LEAST_WIDTH."""
     widths = [max(LEAST_WIDTH.get(head, 0), *(len(line[k]) for line in [heads, *lines])) for k, head in enumerate(heads)]
     written = [heads, ["-" * width for width in widths], *lines]
     return "\n".join("| " + " | ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)) + " |" for line in written)
 
 
 def as_record(row: object) -> dict:
-    """A row's fields for JSON, undefined numbers as null."""
+    """Return a row's fields for JSON. Undefined numbers become null."""
     content = {field.name: getattr(row, field.name) for field in fields(row)}  # type: ignore[arg-type]
     return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in content.items()}
 
 
 def restored(kind: type[Kind], record: dict) -> Kind:
-    """A row from its record: null is an undefined number, a list a tuple."""
+    """Return a row from its record. Null becomes an undefined number, and a list becomes a tuple."""
     content = {name: math.nan if value is None else tuple(value) if isinstance(value, list) else value for name, value in record.items()}
     return kind(**content)

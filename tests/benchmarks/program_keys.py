@@ -1,9 +1,9 @@
 """Tables of campaign keys, campaign columns, settings, and fields of HDF5 files, written into the pages that explain them.
 
-`.venv/bin/python tests/benchmarks/program_keys.py` rewrites the marked parts; a test says when one is out of date.
+`.venv/bin/python tests/benchmarks/program_keys.py` rewrites the marked parts. A test fails when a part is out of date.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 from pathlib import Path
 
 import scene_keys
@@ -66,7 +66,7 @@ def hdf5_fields() -> str:
     return "\n\n".join(text for part in parts for text in part)
 
 
-PARTS = {  # by name of the part: its page, and what writes it
+PARTS = {  # by name of the part: its page, and the function that writes it
     "campaign keys": (COMPARISON / "campaign" / "README.md", campaign_keys),
     "campaign columns": (COMPARISON / "campaign" / "README.md", campaign_columns),
     "settings": (COMPARISON / "cli" / "README.md", settings),
@@ -75,12 +75,12 @@ PARTS = {  # by name of the part: its page, and what writes it
 
 
 def mark(name: str) -> str:
-    """The comment that a part begins with."""
+    """Return the comment at the start of a part."""
     return f"{name}, written by tests/benchmarks/program_keys.py"
 
 
 def rewritten(name: str) -> tuple[Path, str]:
-    """A page, and its text with one part as it has to be today."""
+    """Return the path of a page, and its text with one part written anew."""
     path, part = PARTS[name]
     return path, scene_keys.with_part(path.read_text(encoding="utf-8"), mark(name), part())
 

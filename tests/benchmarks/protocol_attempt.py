@@ -1,7 +1,7 @@
 """One attempt of a case in YADE: `/usr/bin/python3 protocol_attempt.py case.h5 PACE STIFFER SETTINGS` prints one JSON object.
 
-Runs in YADE's own interpreter. PACE and STIFFER: speed and stiffness of the joints over the derived ones. SETTINGS: overrides as a JSON
-object, besides the scene's.
+Runs in YADE's own interpreter. PACE and STIFFER: speed and stiffness of the joints over the derived values. SETTINGS: overrides as a
+JSON object, besides those of the scene.
 """
 
 import dataclasses

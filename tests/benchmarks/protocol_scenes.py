@@ -1,4 +1,4 @@
-"""Irregular walls on which the protocol of a YADE run is measured; none of them is a shipped scene.
+"""Irregular walls for measurements of the protocol of a YADE run. They are not among the shipped scenes.
 
 Courses of unequal height, blocks of unequal length, inclined beds, leaning walls, an opening below a lintel, and supports that
 sink, move obliquely or turn. A seed draws everything.
@@ -25,7 +25,7 @@ class Wall:
 
 
 def walls(seeds: range) -> list[Wall]:
-    """One wall of every kind for each seed; frictions are dealt so that every kind meets low and high ones."""
+    """Draw one wall of every kind for each seed. The frictions rotate, so that every kind has low and high friction."""
     return [wall(kind, FRICTIONS[(place + 2 * seed) % len(FRICTIONS)], seed) for seed in seeds for place, kind in enumerate(KINDS)]
 
 
@@ -58,7 +58,7 @@ def _at(bed: Bed, x: float) -> float:
 
 
 def _courses(kind: str, chance: np.random.Generator) -> list[tuple[Bed, Bed, list[tuple[float, float]]]]:
-    """Lower bed, upper bed and blocks (left, right) of every course."""
+    """Return lower bed, upper bed and blocks (left, right) of every course."""
     heights = np.concatenate([[0.0], np.cumsum(chance.uniform(0.2, 0.4, COURSES))])
     steepest = 0.06 if kind == "inclined" else 0.0
     slopes = np.concatenate([[0.0], chance.uniform(-steepest, steepest, COURSES)])
@@ -76,7 +76,7 @@ def _courses(kind: str, chance: np.random.Generator) -> list[tuple[Bed, Bed, lis
 
 
 def _joints(below: np.ndarray, chance: np.random.Generator) -> np.ndarray:
-    """Head joints of a course, each at least LEAST_OVERLAP from those of the course below."""
+    """Draw the head joints of a course, each at least LEAST_OVERLAP from those of the course below."""
     while True:
         count = PER_COURSE - 1 + int(chance.integers(0, 2))
         joints = LENGTH * (np.arange(1, count) + chance.uniform(-0.3, 0.3, count - 1)) / count
@@ -85,7 +85,7 @@ def _joints(below: np.ndarray, chance: np.random.Generator) -> np.ndarray:
 
 
 def _around(opening: tuple[float, float], lintel: bool) -> list[tuple[float, float]]:
-    """Blocks beside the opening, or with the lintel over it."""
+    """Return the blocks of a course beside the opening, or of the course with its lintel."""
     left, right = opening
     if lintel:
         return [(0.0, 0.55), (0.55, left - 0.15), (left - 0.15, right + 0.2), (right + 0.2, 2.1), (2.1, LENGTH)]

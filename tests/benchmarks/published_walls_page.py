@@ -2,10 +2,10 @@
 
     python tests/benchmarks/published_walls_page.py --results DIR -o comparison/gallery/published_walls.md
 
-Runs every wall whose result does not lie in DIR yet, half a minute to ten minutes each, and writes the page.
+Runs every wall that has no result in DIR, half a minute to ten minutes each, and writes the page.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import json
 from pathlib import Path
@@ -60,7 +60,7 @@ def main() -> None:
 
 
 def result_of(number: int, folder: Path) -> dict[str, Any]:
-    """The content of `comparison.json` of a wall, from an earlier run where there is one."""
+    """Return the content of `comparison.json` of a wall, from an earlier run where there is one."""
     stored = folder / f"wall_{number}" / "comparison.json"
     if not stored.exists():
         scene = la_core.build(published_walls.tables(number), f"wall_{number}")
@@ -70,7 +70,7 @@ def result_of(number: int, folder: Path) -> dict[str, Any]:
 
 
 def row_of(number: int, result: dict[str, Any]) -> tuple[str, ...]:
-    """The cells of a wall."""
+    """Return the cells of a wall."""
     associated, coulomb, yade = (*(result["limit_analysis"][name] for name in ("associated", "coulomb")), result["yade"])
     shared = coulomb["shared_inset"]
     published = f"{published_walls.ASSOCIATED[number]:.5f} and {COULOMB[number]:.5f}" if number in COULOMB else "–"

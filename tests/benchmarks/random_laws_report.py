@@ -1,11 +1,11 @@
-"""Holds every law of `test_random_laws.py` and `test_random_loads.py` against many scenes and counts: tables in random_laws.md.
+"""Tests every law of `test_random_laws.py` and `test_random_loads.py` on many scenes, and writes the counts into random_laws.md.
 
     python tests/benchmarks/random_laws_report.py -o comparison/gallery [--scenes 500] [--laws WORD ...]
 
-Nothing is shrunk here, so that every scene counts once; `pytest --hypothesis-profile long` shrinks what fails.
+Failing scenes are not shrunk here, so that every scene counts once; `pytest --hypothesis-profile long` shrinks them.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import pickle
 import sys
@@ -52,7 +52,7 @@ METHODS = ("kinematic form", "static form", "Coulomb prediction")
 
 @dataclass
 class Count:
-    """What became of the scenes of one law; `failures` holds what each law was given."""
+    """Outcome of one law. `failures` holds the arguments for which the law failed."""
 
     law: str
     scenes: int = 0
@@ -61,25 +61,25 @@ class Count:
 
 
 def laws(module: ModuleType, words: list[str]) -> Iterator[Callable]:
-    """The tests of a module that hypothesis drives, those whose name has one of the words."""
+    """Yield the hypothesis tests of a module. words: if any, only tests whose name has one of them."""
     for name, test in vars(module).items():
         if name.startswith("test_") and hasattr(test, "hypothesis") and (not words or any(word in name for word in words)):
             yield test
 
 
 def many(scenes: int) -> settings:
-    """So many scenes, the same in every run, none of them shrunk."""
+    """Return settings for this number of scenes, the same in every run, without shrinking."""
     quiet = settings(max_examples=scenes, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
     return settings(quiet, suppress_health_check=list(HealthCheck))
 
 
 def words_of(test: Callable) -> str:
-    """The law in words."""
+    """Return the law in words."""
     return (test.__doc__ or test.__name__).strip()
 
 
 def counted(test: Callable, scenes: int) -> Count:
-    """Hold one law against so many scenes, whatever fails."""
+    """Test one law on this number of scenes, and go on after failures."""
     law = test.hypothesis.inner_test  # type: ignore[attr-defined]
     count = Count(words_of(test))
 
@@ -88,7 +88,7 @@ def counted(test: Callable, scenes: int) -> Count:
             law(**given)
         except UnsatisfiedAssumption:
             raise
-        except Exception:  # whatever goes wrong counts
+        except Exception:  # every error counts as a failure
             count.failures.append(given)
         count.scenes += 1
 
@@ -100,7 +100,7 @@ def counted(test: Callable, scenes: int) -> Count:
 
 
 def census(scenes: int) -> dict[str, Counter[str]]:
-    """How often each method ends with each status, over so many scenes; Coulomb's of those that stand."""
+    """Count the statuses of each method over this number of scenes. Only structures that stand have a Coulomb prediction."""
     statuses = {method: Counter() for method in METHODS}
 
     @many(scenes)
@@ -142,7 +142,7 @@ def write_page(path: Path, counts: list[Count], scenes: int) -> None:
 
 
 def main() -> int:
-    """Count, write the table, and leave the scenes that failed beside it when asked to."""
+    """Count, write the table, and on request write the failed scenes to a file. Return 1 if any scene failed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, help="folder for random_laws.md")
     parser.add_argument("--scenes", type=int, default=500, help="for each law")

@@ -1,15 +1,15 @@
-"""Takes shipped scenes through both methods, reduced and full model, and writes what they gave as the page results.md.
+"""Runs shipped scenes by both methods, with the reduced and the full model, and writes the results as the page results.md.
 
     .venv/bin/python tests/benchmarks/results_page.py [SCENE ...]
     .venv/bin/python tests/benchmarks/results_page.py --limit-analysis [SCENE ...]
     .venv/bin/python tests/benchmarks/results_page.py --write
 
-Without names every shipped scene is run but the long ones. Results are kept in results.json: a scene that is not run again keeps its entry.
+Without names all shipped scenes except the long ones are run. Results are kept in results.json; a scene that is not run keeps its entry.
 --limit-analysis runs limit analysis alone and keeps the recorded values and verdicts of YADE.
 --write runs nothing: it writes results.md, and the tables in friction.md and effects.md that come from the same record.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import argparse
 import tempfile
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ Entry = dict[str, Any]
 GALLERY = RECORD.parent
 BUILDING = "building_corner"
 WIDTH = 140  # of a line of text on a page
-USUAL = 30.0  # s for a scene that has no entry yet
+USUAL = 30.0  # s, assumed for a scene without an entry
 LEFT_OUT = {"plane": "plane", "friction": "sliding", "reach": "reach", "displacement": "new contacts", "recording": "states"}
 RESULTS_HEAD = (
     "scene", "R_min/W", "Coulomb R/W", "its interval", "R_max/W", "its uncertainty", "YADE R/W", "verdict", "iterations", "LA s", "YADE s",
@@ -77,7 +77,7 @@ with friction, all blocks and new contacts.
 
 
 def page(entries: dict[str, Entry]) -> str:
-    """The page as Markdown."""
+    """Return the page as Markdown."""
     both = {name: entry for name, entry in entries.items() if name not in shipped.LONG}
     parts = [INTRODUCTION, _origins(entries), _table(RESULTS_HEAD, [_results_row(name, entry) for name, entry in entries.items()]) + "\n"]
     parts += [_conclusions(entries) + "\n", _figures(entries), FULL_INTRODUCTION]
@@ -86,7 +86,7 @@ def page(entries: dict[str, Entry]) -> str:
 
 
 def other_pages(entries: dict[str, Entry], folder: Path = GALLERY) -> dict[str, str]:
-    """Pages with a part from the same record."""
+    """Return the text of the pages with a part from the same record, by file name."""
     parts = {"friction.md": ("walls", friction_table(entries)), "effects.md": ("shipped scenes", left_out_list(entries))}
     return {name: with_part((folder / name).read_text(encoding="utf-8"), *part) for name, part in parts.items()}
 
@@ -99,7 +99,7 @@ def _results_row(name: str, entry: Entry) -> list[str]:
     model = entry["reduced"]
     times = [f"{model['solves']}", *(number_text(model[f"{method}_seconds"], 2) for method in ("limit_analysis", "yade"))]
     bounds = {key: value_cell(model, key) for key in ("least", "predicted", "interval", "greatest")}
-    if name in shipped.names() and shipped.load(name).live is not None:  # the one associated value is then an upper bound
+    if name in shipped.names() and shipped.load(name).live is not None:  # its associated value is an upper bound
         bounds |= {"least": number_text(None, 5), "greatest": bounds["least"]}
     return [f"`{name}`", *bounds.values(),
             number_text(model["stated"], 2), yade_cell(model),
@@ -107,20 +107,20 @@ def _results_row(name: str, entry: Entry) -> list[str]:
 
 
 def value_cell(model: Entry, key: str, places: int | None = None) -> str:
-    """A value, or the interval, in five significant digits, or with so many decimal places."""
+    """Return a value or the interval as text, with five significant digits or with `places` decimal places."""
     values = model[key] if isinstance(model[key], list) else [model[key]]
     return " to ".join(number_text(value, 5) if places is None else f"{value:.{places}f}" for value in values)
 
 
 def yade_cell(model: Entry) -> str:
-    """YADE's reaction with its uncertainty, or how its run ended; a dash where it was not run."""
+    """Return YADE's reaction with its uncertainty, or the status of a run without a plateau; a dash where YADE was not run."""
     if model["yade_status"] not in (None, "plateau"):
         return str(model["yade_status"])
     return with_uncertainty(model["yade"], model["uncertainty"])
 
 
 def words_of_left_out(entry: Entry) -> str:
-    """What the reduced model leaves out."""
+    """Return the effects that the reduced model leaves out, in words."""
     return ", ".join(LEFT_OUT[effect] for effect in entry["left_out"] if effect in LEFT_OUT) or "nothing"
 
 
@@ -133,7 +133,7 @@ def _full_row(name: str, entry: Entry) -> list[str]:
 
 
 def _origins(entries: dict[str, Entry]) -> str:
-    """Machine and versions, and which scenes have others."""
+    """State machine and versions, and the scenes that were made on others."""
     made: dict[str, list[str]] = {}
     for name, entry in entries.items():
         known = dict(entry["versions"])
@@ -148,7 +148,7 @@ def _origins(entries: dict[str, Entry]) -> str:
 
 
 def _off(model: Entry) -> float:
-    """How far YADE's reaction is from the prediction, relative to it."""
+    """Return the difference of YADE's reaction from the prediction, relative to the prediction."""
     return float(model["yade"] / model["predicted"] - 1.0)
 
 
@@ -225,7 +225,7 @@ def _whole_building(entries: dict[str, Entry]) -> str:
 
 
 def friction_table(entries: dict[str, Entry]) -> str:
-    """Bound, prediction, interval, classic iteration and YADE on three walls."""
+    """Return the table of bound, prediction, interval, classic iteration and YADE on three walls."""
     rows = []
     for name in FRICTION_WALLS:
         entry = entries[name]
@@ -236,7 +236,7 @@ def friction_table(entries: dict[str, Entry]) -> str:
 
 
 def left_out_list(entries: dict[str, Entry]) -> str:
-    """In how many shipped scenes each effect is left out."""
+    """State the number of shipped scenes that leave out each effect."""
     scenes = {effect: [name for name, entry in entries.items() if effect in entry["left_out"]] for effect in EFFECTS}
     return sentences([f"`{effect}`: left out in {len(names)} of {len(entries)} shipped scenes." for effect, names in scenes.items()])
 
@@ -244,7 +244,7 @@ def left_out_list(entries: dict[str, Entry]) -> str:
 def run_limit_analysis(names: Sequence[str], folder: Path) -> None:
     """Run limit analysis of the scenes alone, and store each as soon as it is done."""
     entries = read_record()
-    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # the measured times leave out figures
     with Narration(Console(stderr=True)) as narration:
         for name in names:
             entries[name] = with_limit_analysis(entries[name], name, folder, narration)
@@ -254,9 +254,9 @@ def run_limit_analysis(names: Sequence[str], folder: Path) -> None:
 def run(names: Sequence[str], folder: Path) -> None:
     """Run the scenes, and store each as soon as it is done."""
     entries = read_record()
-    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # the measured times leave out figures
     expected = {name: entries.get(name, {}).get("seconds", USUAL) for name in names}
-    pace = 1.0  # of this run over the last one
+    pace = 1.0  # seconds of this run over those of the last run
     with Narration(Console(stderr=True)) as narration:
         for k, name in enumerate(names):
             left = pace * sum(expected[later] for later in names[k:])

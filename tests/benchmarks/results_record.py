@@ -1,6 +1,6 @@
-"""The record behind `results.md`: one entry for each shipped scene, with what both methods found for the reduced and the full model.
+"""The record behind `results.md`: one entry for each shipped scene, with the results of both methods for the reduced and the full model.
 
-Forces are divided by W, the weight of the free blocks; multipliers stand as they are. An undefined number is null.
+Forces are divided by W, the weight of the free blocks; multipliers are not divided. An undefined number is null.
 """
 
 import json
@@ -18,12 +18,12 @@ from la_core.scene import Scene, full_model, load_scene, shipped
 from la_core.text_table import over_weight
 
 RECORD = Path(__file__).parents[2] / "comparison" / "gallery" / "results.json"
-FRICTION_WALLS = ("wall_third", "wall_half", "wall_low_friction")  # whose reaction by the classic iteration is recorded, too
+FRICTION_WALLS = ("wall_third", "wall_half", "wall_low_friction")  # scenes whose reaction by the classic iteration is recorded, too
 VERSIONS = ("python", "clarabel", "numpy", "machine")
 
 
 def read_record(path: Path = RECORD) -> dict[str, dict[str, Any]]:
-    """Entries by scene, in the order of their names; none where there is no record yet."""
+    """Return the entries by scene, in the order of their names; an empty record where there is no file."""
     return dict(sorted(json.loads(path.read_text(encoding="utf-8")).items())) if path.exists() else {}
 
 
@@ -33,9 +33,9 @@ def write_record(entries: dict[str, dict[str, Any]], path: Path = RECORD) -> Non
 
 
 def measured(name: str, folder: Path, listener: Listener) -> dict[str, Any]:
-    """The entry of a shipped scene after fresh runs of both models; `seconds` is the wall time of all of it.
+    """Run both models of a shipped scene and return its entry. `seconds` is the wall time of all runs.
 
-    Results go into `folder`; a model whose results lie there already is not run again.
+    Results are written into `folder`. A model whose results are already there is not run again.
     """
     start = time.monotonic()
     scene = load_scene(shipped.find(name))
@@ -57,7 +57,7 @@ def measured(name: str, folder: Path, listener: Listener) -> dict[str, Any]:
 
 
 def with_limit_analysis(entry: dict[str, Any], name: str, folder: Path, listener: Listener) -> dict[str, Any]:
-    """The entry with fresh limit analysis of both models, and the recorded values and verdicts of YADE, which knows no prediction."""
+    """Return the entry with a new limit analysis of both models, and YADE's recorded values and verdicts. YADE uses no prediction."""
     scene, kept = load_scene(shipped.find(name)), ("yade_status", "yade", "uncertainty", "verdict", "yade_seconds")
     models = {"reduced": scene} | ({} if name in shipped.LONG else {"full": full_model(scene)})
     for model, one in models.items():
@@ -67,9 +67,9 @@ def with_limit_analysis(entry: dict[str, Any], name: str, folder: Path, listener
 
 
 def model_values(summary: dict[str, Any]) -> dict[str, Any]:
-    """What `comparison.json` says of one model, at the inset that both methods share; `sharp` without inset.
+    """Return the recorded values of one model from `comparison.json`, with the inset that both methods share; `sharp` is without inset.
 
-    seconds: of the solver in all of limit analysis, and of YADE's run.
+    The seconds are those of the solver in the whole limit analysis, and of YADE's run.
     """
     associated, coulomb, yade = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["yade"] or {}
     live = "multiplier" in associated
@@ -96,5 +96,5 @@ def model_values(summary: dict[str, Any]) -> dict[str, Any]:
 
 
 def classic_reaction(scene: Scene) -> float:
-    """Reaction over the weight by the classic iteration for friction, with its own settings."""
+    """Return the reaction over the weight by the classic iteration for friction, with its own settings."""
     return float(solve_sequentially(assemble(scene), Drive.YIELDING).value / scene.weight)

@@ -1,9 +1,9 @@
 """The page of every key of a scene file, with a scene for each table, written from the schema that reads scenes and from the starters.
 
-`.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page; a test says when it is out of date.
+`.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page. A test fails when the page is out of date.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
+import on_path  # noqa: F401, I001  first, because it makes the next imports possible
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "la_core" / "scenes" / "keys.md"
 YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
 
-HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
+HEADINGS = {  # by table of the schema: its spelling in a scene file, in the order of the page
     "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`",
     "Box": "`box` of a block, `region` of a load",
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
@@ -32,19 +32,19 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh", "Drawing": "`[[drawing]]`", "Geometry": "`[geometry]`",
     "JointFriction": "`[[friction]]`", "Load": "`[[load]]`", "Tie": "`[[tie]]`",
 }  # fmt: skip
-EXAMPLES = {  # starter that shows a table, or a shipped scene
+EXAMPLES = {  # by table: the starter or shipped scene that shows it
     "SceneFile": "curve", "Block": "blocks", "Zone": "zones", "Live": "push", "Tilt": "tilt", "Wall": "gable", "Opening": "facade",
     "Footing": "buttress",
     "Building": "building", "Arch": "pointed_arch", "Vault": "vault", "Dome": "dome", "Rubble": "rubble", "Mesh": "rubble_wall",
     "Load": "floors",
 }  # fmt: skip
-SHOWN_BY = {  # table whose example shows another one, too
+SHOWN_BY = {  # by table: the table whose example shows it, too
     **dict.fromkeys(("Stone", "Joint", "Settlement", "RequestedPath", "RequestedEffects", "Expected"), "SceneFile"),
     **dict.fromkeys(("Box", "Prism", "Polyhedron"), "Block"),
     **dict.fromkeys(("BuildingOpening", "Floor", "Foundation", "Region"), "Building"),
     "Springers": "Arch", "Turn": "Mesh", "JointFriction": "Load", "Tie": "Load",
 }  # fmt: skip
-EXPLAINED = {  # table whose example needs a file beside it: the page on it
+EXPLAINED = {  # by table whose example needs another file: the page on the table
     "Drawing": "../drawing/README.md", "Geometry": "../drawing/README.md#the-tolerance",
 }  # fmt: skip
 
@@ -60,7 +60,7 @@ def page_part() -> str:
 
 
 def example(table: str) -> str:
-    """The scene that shows a table, or a link to it or to the page on the table."""
+    """Return the scene that shows a table, or a link to the scene or to the page on the table."""
     if table in SHOWN_BY:
         heading = HEADINGS[SHOWN_BY[table]]
         return f"Example: that of [{heading}](#{re.sub(r'[^a-z -]', '', heading.lower()).replace(' ', '-')})."
@@ -73,7 +73,7 @@ def example(table: str) -> str:
 
 
 def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Iterator[str]:
-    """A table's own sentences, where it has some, and its keys."""
+    """Yield a table's description, where it has one, and its keys."""
     if "description" in table:
         yield " ".join(table["description"].split())
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
@@ -85,12 +85,12 @@ def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Ite
 
 
 def table_of(headings: dict[str, str]) -> Callable[[str], str]:
-    """How a table of the schema is called among these headings: by the first words of its heading."""
+    """Return a function that names a table of the schema by the first words of its heading."""
     return lambda name: headings[name].split(" of ")[0]
 
 
 def yade_part() -> Iterator[str]:
-    """Settings of a run in YADE: name, unit, default and meaning, which the comments in `yade_scripts/settings.py` say, too."""
+    """Yield the settings of a run in YADE: name, unit, default and meaning. The comments in `yade_scripts/settings.py` must be the same."""
     source = YADE_SETTINGS.read_text(encoding="utf-8")
     comments = dict(re.findall(r"^    (\w+): (?:float|int)  # (.+)$", source, re.MULTILINE))
     assert tuple(comments) == tuple(exchange.SETTINGS), "settings and their comments differ"
@@ -107,7 +107,7 @@ def yade_part() -> Iterator[str]:
 
 
 def with_part(page: str, name: str, part: str) -> str:
-    """The page with what stands between its two comments of that name replaced."""
+    """Return the page with the text between its two comments of this name replaced."""
     begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
     before, found, rest = page.partition(begin)
     _, closed, after = rest.partition(end)

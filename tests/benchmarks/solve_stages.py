@@ -2,7 +2,7 @@
 
     python tests/benchmarks/solve_stages.py solve SCENE [--bounds]
 
-The sources are those that the interpreter finds first, so that PYTHONPATH can name another version of the program.
+The interpreter takes the sources that it finds first, so that PYTHONPATH can name another version of the program.
 """
 
 import gc
@@ -18,7 +18,7 @@ SOLVER = "solver"
 
 
 def counted(owner: Any, attribute: str, stage: str, spent: Counter) -> None:
-    """Make a function add its seconds to those of a stage, and take them off the stage that called it."""
+    """Make a function add its seconds to a stage, and subtract them from the stage that called it."""
     function: Callable = getattr(owner, attribute)
 
     @wraps(function)

@@ -1,4 +1,4 @@
-"""The measured pages: each is what its program writes from its record, and the record is that of a fresh run."""
+"""The measured pages: every page equals the output of its program from its record, and the record equals that of a fresh run."""
 
 import json
 import re
@@ -41,10 +41,10 @@ PAGES = sorted(GALLERY.glob("*.md"))
 RECORDS = sorted(GALLERY.rglob("*.json"))
 PLACE = re.compile(r"(?<![\w.])/(tmp|home|root|work|var|usr|mnt|Users)/")  # a folder of the machine that measured
 FRESH = [name for name in shipped.names() if name not in shipped.LONG]
-ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
-HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
+ROUND_OFF = 1e-2  # relative, of a Coulomb value on another machine: round-off may grow to the range that friction's history leaves open
+HISTORY = 1e-2  # relative, of a reaction: friction's history may differ between two models of one structure
 OTHER_MACHINE = 3.0  # stated uncertainties by which YADE's reaction may differ under another compiler or processor
-CLASSIC = 1e-3  # of the weight: the classic iteration stops within its own tolerance of its end value
+CLASSIC = 1e-3  # share of the weight: the classic iteration stops within its own tolerance of its end value
 
 
 @pytest.mark.parametrize("name", ["results.md", "friction.md", "effects.md"])
@@ -71,7 +71,7 @@ def test_a_page_of_random_scenes_is_what_its_record_says(benchmark: Any) -> None
 
 @pytest.mark.slow
 def test_a_mistake_in_either_method_is_noticed(tmp_path: Path) -> None:
-    """On one scene of the page: the mistakes change the reaction by 10 and by 24 %, and without them both methods agree."""
+    """On one scene of the page the mistakes change the reaction by 10 % and 24 %. Without them both methods agree."""
     mistakes = ("friction a tenth lower", "support 10 degrees aside, or its axis 0.1 m off")
     none, *wrong = benchmark_detection.measured(7, benchmark_detection.SEED, tmp_path, mistakes)
     assert none["verdict"] == "agree" and len(wrong) == len(benchmark_detection.FACTORS) + 2 * len(mistakes)
@@ -105,7 +105,7 @@ def test_links_and_programs_of_a_page_exist(path: Path) -> None:
 @pytest.mark.parametrize("script", sorted(Path(__file__).parent.glob("*.py")), ids=lambda script: script.name)
 def test_a_script_makes_importable_what_the_tests_share_before_it_imports_it(script: Path) -> None:
     imported = re.findall(r"^(?:import|from) (\w+)", script.read_text(encoding="utf-8"), re.MULTILINE)
-    if "on_path" in imported:  # pytest has these folders by its own settings, a script that is run by hand has not
+    if "on_path" in imported:  # pytest finds these folders by its settings; a script that is run by hand does not
         shared = {path.stem for room in ("helpers", "inputs", "limit") for path in (ROOT / "tests" / room).glob("*.py")}
         assert not shared.intersection(imported[: imported.index("on_path")])
 
@@ -207,7 +207,7 @@ def test_predictions_of_the_record_on_friction_are_those_of_a_fresh_run(number: 
 
 
 def friction_result(default: float, stated: float) -> friction_record.Result:
-    """A wall with reaction 1 by the reference and by coarser paths, and this reaction and uncertainty by default."""
+    """Return a wall with reaction 1 by the reference and by coarser paths. default, stated: reaction and uncertainty by default."""
     values = {
         friction_record.COARSER: (1.0, 0.1),
         friction_record.DEFAULT: (default, stated),

@@ -1,4 +1,4 @@
-"""What the benchmark of growth computes from its measurements, and that the driver's work is bounded by its rows, not by YADE's steps."""
+"""The benchmark of growth computes its page from its measurements. The driver's work grows with its rows, not with YADE's steps."""
 
 import importlib
 import pkgutil
@@ -16,16 +16,16 @@ from la_core.coulomb import path
 from la_core.coulomb.path import implicit_step
 
 SIZES = (60, 120, 250, 500, 1000, 2000, 5000)
-NOISE = 0.05  # relative standard deviation of a measurement, as that of CPU seconds on a busy machine
+NOISE = 0.05  # relative standard deviation of a measurement, like that of CPU seconds on a busy machine
 DRAWS = 400
-BIAS = 4.0 / np.sqrt(DRAWS)  # standard errors of a mean over the draws, four of them
-SAME_SPREAD = 0.25  # between the errors stated and the scatter seen: 5 sizes leave an error known to some 40 %, 400 draws to far less
+BIAS = 4.0 / np.sqrt(DRAWS)  # four standard errors of a mean over the draws
+SAME_SPREAD = 0.25  # relative, of stated errors and observed scatter: 4 sizes give an error to some 50 %, 400 draws to far less
 EXACT = 1e-12  # round-off
-WHOLE_TRAVEL = {"stop_uncertainty": 1e-9}  # of a run in YADE: no reaction is known so well that it would stop earlier
+WHOLE_TRAVEL = {"stop_uncertainty": 1e-9}  # of a run in YADE: no reaction has this uncertainty, so that the run does not stop earlier
 
 
 def test_every_step_of_a_path_counts_as_the_solver_s() -> None:
-    """The steps to rest counted as none, since they moved to a module of their own."""
+    """The solver's time includes every step of a path. The steps to rest were missing once, after they had moved to their own module."""
     modules = [importlib.import_module(f"{path.__name__}.{module.name}") for module in pkgutil.iter_modules(path.__path__)]
     stepping = {module.__name__ for module in modules if hasattr(module, "advance")} - {implicit_step.__name__}
     counted = {owner.__name__ for owner, name in benchmark_growth.SOLVER.values() if name == "advance"}
@@ -60,7 +60,7 @@ def test_two_sizes_have_no_exponent_with_an_error() -> None:
 
 
 def made_up() -> list[dict]:
-    """Measurements as the benchmark stores them, of two methods; time as N^1.5, memory as N."""
+    """Return measurements of two methods as the benchmark stores them. Time grows as N^1.5, memory as N."""
     measured: list[dict] = []
     for size in (100, 200, 400):
         shared = {"blocks": size, "asked": size, "seconds": 1e-3 * size**1.5, "memory": 0.1 * size, "peak": 140.0 + 0.1 * size}
@@ -157,7 +157,7 @@ def test_a_verdict_is_timed_to_its_plateau(tmp_path: Path) -> None:
 @pytest.mark.yade
 @pytest.mark.slow
 def test_a_finer_time_step_gives_the_driver_no_more_work(tmp_path: Path) -> None:
-    """Its rows and states follow the settlement: what it adds to YADE's own time is a share that falls with every step."""
+    """The driver's rows and states follow the settlement, so that its share of the time falls as the number of steps grows."""
     counts = []
     for share in (0.6, 0.3):
         folder = tmp_path / str(share)
@@ -167,8 +167,8 @@ def test_a_finer_time_step_gives_the_driver_no_more_work(tmp_path: Path) -> None
         counts.append(effects.in_yade(benchmark_growth.PROTOCOL_COST, benchmark_growth.written(scene, folder)))
     coarse, fine = counts
     assert coarse["status"] == fine["status"] == "plateau"
-    assert fine["steps"] > 1.5 * coarse["steps"]  # half the step: twice as many, but for where the stages end
-    # A row comes after a whole number of steps, which is rounded.
+    assert fine["steps"] > 1.5 * coarse["steps"]  # half the step gives twice as many steps, except for the ends of the stages
+    # The number of steps between two rows is rounded.
     rounded = sum(0.5 * run["settling_rows"] / run["steps"] for run in counts)
     assert abs(fine["poses"] - coarse["poses"]) <= 1
     assert abs(fine["settling_rows"] - coarse["settling_rows"]) <= 1 + rounded * coarse["settling_rows"]

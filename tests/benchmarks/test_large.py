@@ -1,4 +1,4 @@
-"""Large structures by both methods: what is built is as large as its page says, and the page shows what was recorded."""
+"""Large structures by both methods: they are as large as their page says, and the page shows the recorded values."""
 
 import benchmark_large
 import numpy as np
@@ -16,7 +16,7 @@ def test_the_facade_has_about_1500_blocks_openings_and_a_third_that_settles() ->
     assert assembly.support_speed == 1.0 and assembly.effects.plane
     length, height = np.ptp(scene.blocks.vertices[:, 0]), np.ptp(scene.blocks.vertices[:, 2])
     solid = scene.weight / (9.81 * benchmark_large.DENSITY * benchmark_large.BRICK[1])
-    assert 0.75 < solid / (length * height) < 0.95  # the rest are openings, and the footing
+    assert 0.75 < solid / (length * height) < 0.95  # openings are missing, and the footing
 
 
 def test_the_sizes_are_those_that_the_scenes_are_named_after() -> None:

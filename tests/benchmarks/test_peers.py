@@ -1,4 +1,4 @@
-"""The comparison with peers: the same problem for all, one judge for all, and a page that is what its record says."""
+"""The comparison with peers: all solvers get the same problem, one judge checks all answers, and the page shows its record."""
 
 import importlib.util
 import json
@@ -29,11 +29,11 @@ from la_core.model.assembly import Assembly, assemble
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "peers.md"
 SAME_REACTION = 2.0 * ACCEPTED  # both answers are certified to ACCEPTED of a mean block; two_pads has one block
-SAME_OVER_WEIGHT = 2.0 * 6.0 * ACCEPTED  # residuals of ACCEPTED in all freedoms of two answers, at speeds of up to one
-TIGHT = 1e-8  # asked of a solver, so that its residuals are below ACCEPTED
+SAME_OVER_WEIGHT = 2.0 * 6.0 * ACCEPTED  # two answers with residuals of ACCEPTED in all six freedoms, at speeds of up to one
+TIGHT = 1e-8  # requested tolerance, so that a solver's residuals are below ACCEPTED
 FINE = 1e-4  # s: a third of the shortest solve
-LIMIT = 1.0  # s of the processor for a process that never comes back
-LAST_RESORT = 600.0  # s, the same for one that ends before
+LIMIT = 1.0  # processor seconds for a process that never ends
+LAST_RESORT = 600.0  # processor seconds for a process that ends before this limit
 
 solver = pytest.mark.parametrize("name", [*peers_limit.FOREIGN])
 
@@ -48,7 +48,7 @@ def needs(package: str) -> None:
 
 
 def by_scipy(driven: DrivenProblem, tolerance: float) -> peers_limit.Raw:
-    """The kinematic form as it is handed to peers, by HiGHS."""
+    """Solve the kinematic form that peers get, by HiGHS."""
     bounds = (None, None)
     answer = linprog(
         -driven.power, A_ub=-driven.rows, b_ub=driven.offset, bounds=bounds, options={"primal_feasibility_tolerance": tolerance}
@@ -80,7 +80,7 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
 
 
 def test_a_whole_command_says_the_same_whoever_computes_its_bounds(monkeypatch) -> None:
-    """The command itself complains where HiGHS was to compute the bounds and did not."""
+    """All solvers give the same bounds in the whole command. The command fails where HiGHS should compute the bounds and does not."""
     monkeypatch.setitem(peers_command.WALLS, 10, (3, 3))
     values = {method: peers_command.measure(10, method, int(LAST_RESORT))[0] for method in peers_command.METHODS}
     assert values == pytest.approx(dict.fromkeys(values, values[OURS]), abs=SAME_OVER_WEIGHT)
@@ -147,7 +147,7 @@ def tick() -> float:
 
 
 def ticks() -> Iterator[float]:
-    """The least of many: other work on the machine makes single ticks longer, a coarse clock makes all of them so."""
+    """Yield the shortest of many ticks. Other work on the machine lengthens single ticks; a coarse clock lengthens all of them."""
     yield min(tick() for _ in range(100))
 
 
@@ -163,7 +163,7 @@ def counts() -> Iterator[int]:
     ],
 )  # fmt: skip
 def test_a_peer_that_dies_or_never_comes_back_ends_its_own_row_alone(function, limit, reason, monkeypatch) -> None:
-    monkeypatch.setattr(peers_process, "PATIENCE", math.inf)  # the processor's seconds alone: other work takes none of them
+    monkeypatch.setattr(peers_process, "PATIENCE", math.inf)  # only processor seconds count, which other work does not use
     found = []
     with pytest.raises(PeerEnded, match=reason):
         for one in alone(function, (), limit):
@@ -176,7 +176,7 @@ def test_a_peer_that_behaves_is_heard_to_the_end() -> None:
 
 
 def test_a_watched_process_sees_fine_seconds_of_its_own() -> None:
-    """A limit that the system itself holds would let it see ticks of milliseconds, longer than a small solve."""
+    """With the system's own limit the process would read its time in ticks of milliseconds, longer than a small solve."""
     assert max(alone(ticks, (), LAST_RESORT)) < FINE
 
 

@@ -1,4 +1,4 @@
-"""The random scenes of the second opinion: fixed by their seed, as different as they are said to be, and a page that counts what it has."""
+"""The random scenes of the second opinion follow from their seed and vary as stated. Their page counts the recorded verdicts."""
 
 import json
 import math
@@ -68,7 +68,7 @@ def entry(number: int, verdict: str, yade: float | None, again: float | None = N
 def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     entries = [entry(0, "agree", 0.1, 0.10005), entry(1, "agree", 0.1, 0.1003), entry(2, "inconclusive", 0.1003), entry(3, "disagree", 0.2)]
     assert moved(entries[0]) == pytest.approx(0.5) and moved(entries[1]) == pytest.approx(3.0) and moved(entries[2]) is None
-    between = entry(5, "agree", 0.1, 0.10012)  # beyond its own uncertainty, within those of both runs
+    between = entry(5, "agree", 0.1, 0.10012)  # beyond the first run's uncertainty, within that of both runs
     assert moved(between) == pytest.approx(1.2) and moved(between, of_both=True) == pytest.approx(1.2 / math.sqrt(2.0))
     nothing = entry(4, "agree", 0.0, 0.0) | {"yade_uncertainty": 0.0}
     assert moved(nothing) == 0.0 and moved(nothing | {"again": nothing | {"yade": 1e-9}}) == math.inf
@@ -123,7 +123,7 @@ def test_an_agreement_is_run_again_unless_every_scene_runs_once(
 
 @pytest.mark.parametrize(("verdict", "compared", "released"), [("agree", 90.0, 0.45), ("agree", 100.0, None), ("disagree", 90.0, None)])
 def test_the_page_names_agreements_with_the_value_after_a_release(verdict: str, compared: float, released: float | None) -> None:
-    """The prediction is 100 N, 0.5 of the weight; YADE's plateau 90 N."""
+    """The prediction is 100 N, half the weight; YADE's plateau is at 90 N."""
     summary: dict[str, Any] = {"reason": "", "next_step": "", "unit": "N", "verdict": verdict, "weight": 200.0, "free_blocks": 9}
     summary |= {"limit_analysis": {"coulomb": {"reaction": 100.0, "uncertainty": 0.1}}, "yade": {"reaction": 90.0, "uncertainty": 0.1}}
     summary["checks"] = [{"name": "reaction within bounds", "limit_analysis": 1.0}, {"name": REACTION, "limit_analysis": compared}]

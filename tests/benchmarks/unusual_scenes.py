@@ -1,7 +1,7 @@
 """Random structures of the generators with unusual keys: gravity, insets, friction, loads, supports that rise, requested effects.
 
 They are the third family of the blind verdicts. Each scene follows from the seed and its number alone. A scene is drawn again where its
-keys do not go together, or where the structure cannot stand.
+keys break a rule of the scene file, or where the structure cannot stand.
 """
 
 from typing import Any

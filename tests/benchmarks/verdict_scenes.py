@@ -1,4 +1,4 @@
-"""Random irregular scenes that nobody tuned for: unequal blocks, leaning walls, inclined beds, lintels, leaves in space.
+"""Random irregular scenes for which no method was tuned: unequal blocks, leaning walls, inclined beds, lintels, leaves in space.
 
 Each scene follows from the seed and its number alone. Supports go down, aside or turn. A scene that cannot stand, or whose drawing breaks
 a rule of the scene file, is drawn again.
@@ -20,12 +20,12 @@ from la_core.scene import Scene
 
 SEED, SCENES = 20261126, 200
 FRESH_SEED = 20261127  # of the second page of verdicts
-EARLIER_SEED = 20261122  # its scenes have led to changes of both methods, as those of 20261123 to 20261125 have; tests keep some
+EARLIER_SEED = 20261122  # its scenes have led to changes of both methods, like those of 20261123 to 20261125; tests keep some of them
 KINDS = ("wall", "leaning wall", "inclined beds", "lintel", "two leaves")
 MOTIONS = ("down", "oblique", "turning")
 LEAST_BLOCKS, MOST_BLOCKS = 10, 40
 FRICTION = (0.2, 1.2)
-GRID = 0.05  # m: every vertical joint lies on it, so that no joint is shorter
+GRID = 0.05  # m; every vertical joint lies on this grid, so that no joint is shorter
 DEPTH = 0.4  # m
 INSET = 1e-3  # m
 Corners = list[tuple[float, float]]
@@ -45,7 +45,7 @@ class Stone:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A random scene and how it was drawn."""
+    """A random scene with its number, kind and motion."""
 
     number: int
     kind: str
@@ -54,7 +54,7 @@ class Drawn:
 
 
 def drawn(number: int, seed: int = SEED, size: float = 1.0) -> Drawn:
-    """Return the random scene of a number from 0 to SCENES - 1; size: of the structure over the usual, in length and courses."""
+    """Return the random scene of a number from 0 to SCENES - 1. size: factor on the usual length and number of courses."""
     kind, motion = KINDS[number % len(KINDS)], MOTIONS[number // len(KINDS) % len(MOTIONS)]
     attempt = 0
     while True:
@@ -99,7 +99,7 @@ def tables(random: np.random.Generator, kind: str, motion: str, size: float = 1.
 
 
 def _motion(random: np.random.Generator, motion: str, edge: float, right: bool, space: bool) -> dict[str, Any]:
-    """Return the motion of a support that begins at `edge` and lies to its right or left; one that turns goes down at its far end."""
+    """Return the motion of a support to the right or left of `edge`. A turning support goes down at its far end."""
     if motion == "turning":
         return {"axis": [0.0, 1.0 if right else -1.0, 0.0], "point": [edge, 0.0, 0.0]}
     aside = random.uniform(0.1, 0.6) * random.choice((-1.0, 1.0)) if motion == "oblique" else 0.0
@@ -108,7 +108,7 @@ def _motion(random: np.random.Generator, motion: str, edge: float, right: bool, 
 
 
 def _cuts(random: np.random.Generator, low: float, high: float) -> list[float]:
-    """Return the joints of a course between two ends, blocks 0.25 m to 0.75 m long."""
+    """Return the joints of a course between two ends. Its blocks are 0.25 m to 0.8 m long."""
     found = [low]
     while high - found[-1] > 0.8:
         found.append(round(found[-1] + GRID * int(random.integers(5, 12)), 6))
@@ -145,7 +145,7 @@ def _lintel(random: np.random.Generator, length: float, size: float) -> Iterator
 
 
 def _leaves(random: np.random.Generator, length: float, size: float) -> Iterator[Stone]:
-    """Yield a wall of two leaves in space; some courses are of through-stones, the last one always."""
+    """Yield a wall of two leaves in space. The last course and some others consist of through-stones."""
     bottom, courses, middle = 0.0, int(size * random.integers(3, 6)), GRID * int(random.integers(3, 6))
     for course in range(courses):
         top = round(bottom + float(random.uniform(0.2, 0.4)), 3)
@@ -157,7 +157,7 @@ def _leaves(random: np.random.Generator, length: float, size: float) -> Iterator
 
 
 def _split_support(random: np.random.Generator, stone: Stone) -> list[dict[str, Any]]:
-    """Return the support, or one half of its depth as support and the other half fixed."""
+    """Return the whole support, or a support of half its depth and a fixed other half."""
     if random.uniform() < 0.5:
         return [_block("support base", stone, 0.0, 0.0, "support")]
     halves = [Stone(stone.low, stone.high, stone.bottom, stone.top, near, near + DEPTH / 2.0) for near in (0.0, DEPTH / 2.0)]
@@ -165,7 +165,7 @@ def _split_support(random: np.random.Generator, stone: Stone) -> list[dict[str, 
 
 
 def _block(name: str, stone: Stone, lean: float, slope: float, role: str = "free") -> dict[str, Any]:
-    """Return a block's table; a wall leans by `lean` over its height, its beds rise by `slope` over its length."""
+    """Return a block's table. lean: inclination of the wall, x over z; slope: inclination of its beds, z over x."""
     around = ((stone.low, stone.bottom), (stone.high, stone.bottom), (stone.high, stone.top), (stone.low, stone.top))
     profile: Corners = [(x + lean * z, z + slope * x) for x, z in around]
     assert all(math.isfinite(value) for corner in profile for value in corner)

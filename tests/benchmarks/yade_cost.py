@@ -1,7 +1,7 @@
-"""What a case costs in YADE: `/usr/bin/python3 yade_cost.py case.h5 STEPS [--profile] [--threads N]` prints one JSON object.
+"""Cost of a case in YADE: `/usr/bin/python3 yade_cost.py case.h5 STEPS [--profile] [--threads N]` prints one JSON object.
 
-Runs in YADE's own interpreter and takes STEPS settling steps right after the model is built, several times over, the best counting.
-Seconds are of processor time, which other work on the machine does not count into; with --threads, of wall time.
+Runs in YADE's own interpreter. It takes STEPS settling steps right after the model is built, several times; the best time counts.
+Seconds are processor time, without other work on the machine; with --threads they are wall time.
 """
 
 import argparse
@@ -20,7 +20,7 @@ clock = time.process_time
 
 
 def measure(path: Path, steps: int, profile: bool) -> dict:
-    """Seconds per step, per recorded row and per stored pose; bodies, interactions and bytes."""
+    """Return the seconds per step, recorded row and stored pose, and the numbers of bodies, interactions and bytes."""
     for package in ("la_core", "yade_scripts"):
         run_case.load_package(package)
     sys.path.append(run_case.find_yade())
@@ -61,7 +61,7 @@ def measure(path: Path, steps: int, profile: bool) -> dict:
 
 
 def timed(call) -> float:
-    """Seconds of a call on the clock of this script."""
+    """Return the seconds of a call on the clock of this script."""
     began = clock()
     call()
     return clock() - began

@@ -1,6 +1,6 @@
-"""A case at rest, held for long: `/usr/bin/python3 yade_hold.py case.h5 STEPS`, JSON. Runs in YADE's own interpreter.
+"""A case held at rest for many steps: `/usr/bin/python3 yade_hold.py case.h5 STEPS` prints JSON. Runs in YADE's own interpreter.
 
-The protocol brings the case to rest under gravity; then its own damping is taken away and nothing moves it for so many steps.
+The protocol brings the case to rest under gravity. Then its damping is removed, and the support does not move for STEPS steps.
 """
 
 import json
@@ -21,7 +21,7 @@ ROWS = 50
 
 
 class Held(protocol.Protocol):
-    """The protocol whose support stays where it is."""
+    """The protocol with a support that does not move."""
 
     hold: int = 0
 

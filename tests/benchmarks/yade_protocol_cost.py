@@ -1,11 +1,11 @@
-"""What a verdict costs in YADE, and a bare loop of as many steps.
+"""Cost of a verdict in YADE, and of a bare loop of as many steps.
 
     /usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N | --verdict]
 
-Prints JSON. Runs in the interpreter of YADE. With --verdict: all attempts of a run. Otherwise the protocol at one speed, from
-bodies to plateau, then as many rounds as asked for of the protocol against the same bodies and engines without the driver, gravity and
-settlement each in a single `O.run`: once with the support's speed set as the driver set it, and once at a constant speed to the same
-travel, a motion that costs YADE itself less. CPU seconds.
+Prints JSON with CPU seconds. Runs in the interpreter of YADE. With --verdict it makes all attempts of a run. Otherwise it runs the
+protocol at one speed, from bodies to plateau. Each of the N rounds then compares the protocol with the same bodies and engines without the
+driver, gravity and settlement each in a single `O.run`: once with the speeds of the support that the driver set, and once at a constant
+speed to the same travel. The constant speed costs YADE itself less.
 """
 
 import argparse
@@ -32,7 +32,7 @@ from yade_scripts.expected_steps import expected_steps  # noqa: E402
 
 @dataclass
 class Watched(protocol.Protocol):
-    """The protocol; `rested`: steps until it rests under gravity; `watching`: seconds inside the driver; `speeds`: set in turn."""
+    """The protocol. rested: steps until rest under gravity; watching: seconds inside the driver; speeds: of the support, in turn."""
 
     rested: int = 0
     watching: float = 0.0
@@ -53,8 +53,9 @@ class Watched(protocol.Protocol):
 
 
 def driven(one: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
-    """A run by the protocol, progress and all, and its seconds without those of building the model. pace: its speed over that of the
-    attempt that counts.
+    """Run the protocol with its progress reports. Return the run and its seconds, without those of building the model.
+
+    pace: speed over that of the attempt that counts.
     """
     model = bodies.build(one, chosen, "watch()", calm="calm()")
     reporter = run_case.Reporter(stream)
@@ -67,7 +68,7 @@ def driven(one: case.Case, chosen: settings.Settings, pace: float, near: near_fa
 
 
 def bare(run: Watched, steps: int, speeds: list[float]) -> float:
-    """Seconds of a loop of as many steps without the driver; speeds: of the support, set in turn where the driver recorded a row."""
+    """Return the seconds of a loop of `steps` steps without the driver. speeds: of the support, set in turn where the driver set them."""
     one, left = run.case, speeds[:0:-1]
     model, omega = bodies.build(one, run.settings, "watch()"), bodies.Omega()
 
@@ -87,7 +88,7 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
 
 
 def verdict(path: Path) -> dict:
-    """All attempts of a run."""
+    """Measure all attempts of a run."""
     memory_before = peak_memory()
     one = settings.affordable(case.from_fields(exchange.read(path, run_case.case_fields(path))))
     seconds, watching = [], []
@@ -113,12 +114,12 @@ def verdict(path: Path) -> dict:
 
 
 def measure(path: Path, rounds: int) -> dict:
-    """The protocol at one speed, with and without the driver."""
+    """Measure the protocol at one speed, with and without the driver."""
     memory_before = peak_memory()
     one = settings.affordable(case.from_fields(exchange.read(path, run_case.case_fields(path))))
     chosen = settings.derive(one)
     near = near_faces.NearFaces(one, chosen) if one.displacement == "finite" else None
-    one = dataclasses.replace(one, displacement="small")  # as the attempts of a run begin
+    one = dataclasses.replace(one, displacement="small")  # the attempts of a run begin so
     with Path(os.devnull).open("w") as nowhere:
         run, seconds = driven(one, chosen, 1.0, near, nowhere)
         result = {
