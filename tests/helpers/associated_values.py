@@ -1,4 +1,4 @@
-"""Values of the associated problem, in the plane and in 3D as prisms of unit depth, and how exact they are."""
+"""Values of the associated problem, in the plane and as prisms of unit depth in 3D, and their accuracy."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
-EXACT = 1e-6  # of the weight: the solver is asked for 1e-9; residuals up to 1e-6 of a block's weight are accepted
+EXACT = 1e-6  # share of the weight: the solver's tolerance is 1e-9; residuals up to 1e-6 of a block's weight are accepted
 FIVE_DIGITS = 0.5e-5  # half a unit of the last printed digit
 SEVEN_DIGITS = 0.5e-7
 
@@ -15,7 +15,7 @@ in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", 
 
 
 def value(model: Scene | Assembly, drive: Drive = Drive.YIELDING) -> float:
-    """Reaction over weight, or multiplier; fails unless limit analysis says "solved"."""
+    """Return reaction over weight, or multiplier. Fails unless limit analysis ends as `solved`."""
     assembly = assemble(model) if isinstance(model, Scene) else model
     solution = solve_associated(assembly, drive)
     assert solution.status is Status.SOLVED

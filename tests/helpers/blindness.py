@@ -1,16 +1,16 @@
-"""Who calls limit analysis with YADE's result in hand: read from sources, by the names that functions use and by their annotations."""
+"""Finds functions that call limit analysis while they hold YADE's result, from the names and annotations in their sources."""
 
 import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-ANSWERS = {"LimitAnalysis", "Answers", "Answer", "CoulombSolution", "EquilibriumPath", "Solution"}  # what returns one predicts
-READERS = {"read_case"}  # return an answer that was made before
-RUNS = {"Run", "Results"}  # types that hold what YADE found
-RESTORES = "comparison.workflow.restored_effects"  # the one module that may call limit analysis after a run ...
-DOOR = f"{RESTORES}:restore"  # ... and its one function that others may call
+ANSWERS = {"LimitAnalysis", "Answers", "Answer", "CoulombSolution", "EquilibriumPath", "Solution"}  # returned by a prediction
+READERS = {"read_case"}  # functions that return a stored answer
+RUNS = {"Run", "Results"}  # types that hold YADE's result
+RESTORES = "comparison.workflow.restored_effects"  # the only module that may call limit analysis after a run
+DOOR = f"{RESTORES}:restore"  # its only function that other modules may call
 Place = tuple[int, int]  # line and column
-Use = tuple[Place, str]  # where a function names another one, and which: "module:function", or "la_core:function"
+Use = tuple[Place, str]  # place where a function names another function, and the other's key: "module:function" or "la_core:function"
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Function:
 
     @property
     def taken(self) -> set[str]:
-        """Names of the types that it is given."""
+        """Names of its class and of the types of its arguments."""
         given = self.node.args
         every = (*given.posonlyargs, *given.args, *given.kwonlyargs, *filter(None, (given.vararg, given.kwarg)))
         return {self.owner}.union(*(named(one.annotation) for one in every))
@@ -35,7 +35,7 @@ class Function:
 
 
 def named(annotation: ast.AST | None) -> set[str]:
-    """Every name in an annotation, those in quotes included."""
+    """Return every name in an annotation, including names in quotes."""
     found: set[str] = set()
     for node in ast.walk(annotation) if annotation is not None else ():
         if isinstance(node, ast.Name):
@@ -46,7 +46,7 @@ def named(annotation: ast.AST | None) -> set[str]:
 
 
 def functions(module: str, source: str) -> Iterator[Function]:
-    """Functions and methods of a module; its other statements are one function more, without a name."""
+    """Yield the functions and methods of a module. Its other statements form one more function, without a name."""
     loose: list[ast.stmt] = []
     for node in ast.parse(source).body:
         if isinstance(node, ast.FunctionDef):
@@ -61,16 +61,16 @@ def functions(module: str, source: str) -> Iterator[Function]:
 
 
 def predictors(sources: Mapping[str, str]) -> set[str]:
-    """Keys of the public functions of limit analysis that return an answer which they make. sources: texts of la_core, by module."""
+    """Return the keys of the public functions of limit analysis that compute an answer. sources: texts of la_core, by module."""
     every = [function for module, source in sources.items() for function in functions(module, source) if not function.owner]
     names = {function.node.name for function in every if function.returned & ANSWERS}
     return {f"la_core:{name}" for name in names - READERS if not name.startswith("_")}
 
 
 class House:
-    """The modules of `comparison`: what their functions use, and whether they see YADE's result.
+    """The modules of `comparison`: the functions that each function uses, and the place where it gets YADE's result.
 
-    sources: texts by module. predicting: keys of the functions of limit analysis that make an answer.
+    sources: texts by module. predicting: keys of the functions of limit analysis that compute an answer.
     """
 
     def __init__(self, sources: Mapping[str, str], predicting: set[str]) -> None:
@@ -85,14 +85,14 @@ class House:
         self.predicting = self._predicting(predicting)
 
     def _predicting(self, direct: set[str]) -> set[str]:
-        """Keys of all functions that make an answer, by others or themselves; what goes through the door does not count."""
+        """Return the keys of all functions that compute an answer, themselves or through others. Calls of DOOR do not count."""
         found = set(direct)
         while more := {key for key, uses in self.uses.items() if any(use in found for _, use in uses)} - found - {DOOR}:
             found |= more
         return found
 
     def offences(self) -> list[str]:
-        """Uses of limit analysis by a function that holds YADE's result then."""
+        """Return the uses of limit analysis by functions that already hold YADE's result."""
         found = []
         for key, uses in self.uses.items():
             seen = None if key.startswith(f"{RESTORES}:") else self.first_sight(key)
@@ -101,7 +101,7 @@ class House:
         return found
 
     def first_sight(self, key: str) -> Place | None:
-        """Where a function gets YADE's result: at its beginning, at a call, or at the beginning of the loop around it; None for nowhere."""
+        """Return the place where a function gets YADE's result, or None: its start, a call, or the start of the loop around the call."""
         function = self.functions[key]
         if function.taken & self.carriers:
             return (0, 0)
@@ -112,7 +112,7 @@ class House:
 
 
 def carriers(sources: Mapping[str, str]) -> set[str]:
-    """Names of the classes that hold YADE's result, in a field or in a field of a field."""
+    """Return the names of the classes that hold YADE's result, in a field or in a field of a field."""
     classes = [node for source in sources.values() for node in ast.parse(source).body if isinstance(node, ast.ClassDef)]
     held = {
         node.name: set[str]().union(*(named(one.annotation) for one in node.body if isinstance(one, ast.AnnAssign))) for node in classes
@@ -124,7 +124,7 @@ def carriers(sources: Mapping[str, str]) -> set[str]:
 
 
 def imported(source: str) -> Iterator[tuple[str, str]]:
-    """Every imported name, and what it stands for as a dotted name."""
+    """Yield every imported name with its full dotted name."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             yield from ((alias.asname or alias.name, f"{node.module}.{alias.name}") for alias in node.names)
@@ -133,7 +133,7 @@ def imported(source: str) -> Iterator[tuple[str, str]]:
 
 
 def used(module: str, function: Function, imports: Mapping[str, str], homes: Mapping[str, list[str]]) -> Iterator[Use]:
-    """What a function names of the house, called or not: imported names, names below imported modules, functions of its own module."""
+    """Yield the functions that a function names, called or not: imported names, names in imported modules, functions of its own module."""
     own = {node.id for node in ast.walk(function.node) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
     own |= {node.arg for node in ast.walk(function.node) if isinstance(node, ast.arg)}
     for node in ast.walk(function.node):
@@ -143,12 +143,12 @@ def used(module: str, function: Function, imports: Mapping[str, str], homes: Map
         home, _, name = ".".join((imports.get(first, f"{module}.{first}"), *rest)).rpartition(".")
         if home.startswith("la_core"):
             yield place_of(node), f"la_core:{name}"
-        else:  # a face shows functions of the modules below it
+        else:  # a package's `__init__` exports functions of its modules
             yield from ((place_of(node), key) for key in homes.get(name, ()) if key.startswith(home))
 
 
 def dotted(node: ast.AST) -> list[str]:
-    """The parts of a dotted expression that begins with a name; an empty part for any other expression."""
+    """Return the parts of a dotted expression that begins with a name, and one empty part for any other expression."""
     if isinstance(node, ast.Name):
         return [node.id]
     if isinstance(node, ast.Attribute):

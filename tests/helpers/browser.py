@@ -1,4 +1,4 @@
-"""A real browser without a window, driven over a pipe by the Chrome DevTools protocol; nothing listens, nothing is installed for it."""
+"""A real browser without a window, driven over a pipe by the Chrome DevTools protocol. It opens no port and needs no driver."""
 
 import base64
 import contextlib
@@ -28,12 +28,12 @@ KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "0": 
 
 
 def find_browser() -> str | None:
-    """Path of a Chromium or Chrome, None without one."""
+    """Return the path of a Chromium or Chrome; None where there is none."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One page; `errors` are the console's errors, exceptions and refusals of the page's security policy since it was opened."""
+    """One page. `errors`: errors of the console, exceptions and refusals of the page's security policy since the page was opened."""
 
     def __init__(self, program: str) -> None:
         self.errors: list[str] = []
@@ -42,7 +42,7 @@ class Browser:
         theirs, self._into = os.pipe()
         self._out_of, writes = os.pipe()
         self._number, self._session, self._waiting = 0, "", b""
-        # The browser reads its file descriptor 3 and writes its 4; a shell puts ours there whatever their numbers are.
+        # The browser reads file descriptor 3 and writes file descriptor 4. A shell connects them to ours, whatever our numbers are.
         script = f'exec "$@" 3<&{theirs} 4>&{writes}'
         self._process = subprocess.Popen(
             ["/bin/bash", "-c", script, "browser", program, *FLAGS, f"--user-data-dir={self._profile.name}", "about:blank"],
@@ -61,7 +61,7 @@ class Browser:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         os.close(self._into)
         try:
-            self._process.wait(10.0)  # it ends when its pipe does
+            self._process.wait(10.0)  # the browser ends when its pipe closes
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
@@ -69,7 +69,7 @@ class Browser:
         self._profile.cleanup()
 
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Answer to one command."""
+        """Send a command and return its answer."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters} | ({"sessionId": self._session} if self._session else {})
         os.write(self._into, json.dumps(message).encode() + b"\0")
@@ -106,35 +106,35 @@ class Browser:
         self.wait(f"document.readyState === 'complete' && location.pathname.endsWith({json.dumps(page.name)})")
 
     def value(self, expression: str) -> Any:
-        """Value of an expression in the page, by the debugger: the page's policy does not bind it."""
+        """Return the value of an expression in the page. The debugger computes it, which the page's security policy does not restrict."""
         answer = self.send("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in answer, (expression, answer)
         return answer["result"].get("value")
 
     def wait(self, condition: str) -> None:
-        """Until an expression holds."""
+        """Wait until an expression is true."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            with contextlib.suppress(AssertionError):  # the page before is being left
+            with contextlib.suppress(AssertionError):  # the browser is still leaving the page before
                 if self.value(f"Boolean({condition})"):
                     return
             time.sleep(0.02)
         raise AssertionError(f"never came true: {condition}; {self.errors}")
 
     def box(self, selector: str) -> tuple[float, float, float, float]:
-        """Left, top, width and height of an element that was scrolled to, in pixels of the window."""
+        """Scroll to an element, and return its left, top, width and height in pixels of the window."""
         corner = f"document.querySelector({json.dumps(selector)})"
         self.value(f"{corner}.scrollIntoView({{block: 'center', behavior: 'instant'}})")
         found = self.value(f"(({{x, y, width, height}}) => [x, y, width, height])({corner}.getBoundingClientRect())")
         return (found[0], found[1], found[2], found[3])
 
     def click(self, selector: str) -> None:
-        """Press the mouse in the middle of an element."""
+        """Click in the middle of an element."""
         x, y, width, height = self.box(selector)
         self.drag((x + width / 2, y + height / 2), (x + width / 2, y + height / 2))
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], button: str = "left") -> None:
-        """Press at one place of the window, let go at another."""
+        """Press a mouse button at one place of the window, and release it at another place."""
         held = {"left": 1, "right": 2}[button]
         middle = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
         for kind, (x, y), buttons in (
@@ -145,13 +145,13 @@ class Browser:
             self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=own, buttons=buttons, clickCount=1)
 
     def swipe(self, starts: list[tuple[float, float]], ends: list[tuple[float, float]]) -> None:
-        """Move one finger or several over the window."""
+        """Move one or several fingers over the window."""
         for kind, places in (("touchStart", starts), ("touchMove", ends), ("touchEnd", [])):
             fingers = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(places)]
             self.send("Input.dispatchTouchEvent", type=kind, touchPoints=fingers)
 
     def wheel(self, place: tuple[float, float], amount: float) -> None:
-        """Turn the wheel."""
+        """Turn the mouse wheel at a place of the window."""
         self.send("Input.dispatchMouseEvent", type="mouseWheel", x=place[0], y=place[1], deltaX=0, deltaY=amount)
 
     def press(self, key: str, shift: bool = False) -> None:
@@ -162,7 +162,7 @@ class Browser:
         self.send("Input.dispatchKeyEvent", type="keyUp", **code)
 
     def picture(self, selector: str) -> np.ndarray:
-        """What an element looks like: (height, width, 3) in 0 ... 255."""
+        """Return an image of an element, (height, width, 3) in 0 ... 255."""
         x, y, width, height = self.box(selector)
         frames = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
         self.send("Runtime.evaluate", expression=frames, awaitPromise=True)

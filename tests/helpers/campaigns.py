@@ -1,4 +1,4 @@
-"""What tests of campaigns share: an engine in this very process, and a campaign from its text to its table."""
+"""Helpers for tests of campaigns: an engine in this process, and a campaign from its text to its table."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -29,7 +29,7 @@ vary = { "joint.friction" = [0.4, 0.5] }
 
 
 class Inline:
-    """Jobs in this process, one after the other; remembers which. `fails` may raise in the place of a job."""
+    """An engine that runs jobs in this process, one after the other, and records them in `done`. `fails` may raise instead of a job."""
 
     name, capacity = "inline", 1
 
@@ -54,7 +54,7 @@ class Inline:
 
 
 def campaign(text: str, folder: Path, time_limit: float | None = None) -> Campaign:
-    """A campaign of a text, whose file lies beside the folder of its results."""
+    """Write the text of a campaign beside the folder of its results, and return the campaign."""
     path = folder.parent / "campaign.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
@@ -63,18 +63,18 @@ def campaign(text: str, folder: Path, time_limit: float | None = None) -> Campai
 
 
 def run(text: str, folder: Path, engine: Any = None, time_limit: float | None = None) -> CampaignTable:
-    """Run a campaign of a text in a folder, in this process where no engine is given."""
+    """Run the campaign of a text in a folder. Without an engine it runs in this process."""
     with CampaignNarration(Console(quiet=True), "test") as narration:
         return run_cases(campaign(text, folder, time_limit), engine or Inline(), narration)
 
 
 def begun(folder: Path) -> list[str]:
-    """Cases of a campaign's folder that have begun."""
+    """Return the cases of a campaign's folder that have begun."""
     return sorted(path.parent.name for path in folder.glob("cases/*/.lock"))
 
 
 def finished(folder: Path) -> dict[str, int]:
-    """Cases of a campaign's folder that are finished, with when."""
+    """Return the finished cases of a campaign's folder, with the time when each finished, ns."""
     return {path.parent.name: path.stat().st_mtime_ns for path in folder.glob("cases/*/outcome.json")}
 
 
@@ -86,5 +86,5 @@ def written(tmp_path: Path, text: str) -> Path:
 
 
 def sweep(text: str, scene: str = "two_pads") -> str:
-    """Text of a campaign file with one sweep, without YADE."""
+    """Return the text of a campaign file with one sweep, without YADE."""
     return f'yade = false\n[[sweep]]\nscene = "{scene}"\n{text}\n'

@@ -1,7 +1,7 @@
-"""What users type, write and read, as one list: verbs, options, exit codes, scene and campaign keys, JSON keys, HDF5 paths, columns.
+"""All words that users type, write and read: verbs, options, exit codes, scene and campaign keys, JSON keys, HDF5 paths, columns.
 
-`python tests/helpers/contract_list.py` prints it. `tests/helpers/contract.json` was written so by version 0.2.0, and what later versions
-promise was added; what it names must stay.
+`python tests/helpers/contract_list.py` prints the list. Version 0.2.0 wrote `tests/helpers/contract.json` by it, and the words of later
+versions were added. All words in that file must stay.
 """
 
 import argparse
@@ -31,7 +31,7 @@ SOLVED = {"wall_third": ("--path",), "ferris_tin_loi_1": (), "two_pads": ()}
 
 
 def contract() -> dict[str, Any]:
-    """The whole list; runs limit analysis on SOLVED and both methods on one scene."""
+    """Return the whole list. Runs limit analysis on SOLVED, and both methods on one scene."""
     (commands,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
     fields = [*exchange.CASE_FIELDS, *exchange.solution_fields("G"), *exchange.coulomb_fields("G"), *exchange.PATH_FIELDS]
     fields += [exchange.FIRST_PREDICTION, *exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS]
@@ -59,13 +59,13 @@ def contract() -> dict[str, Any]:
 
 
 def words(command: argparse.ArgumentParser) -> Iterator[str]:
-    """Options of a command, and names of its positional arguments as the help shows them."""
+    """Yield the options of a command, and the names of its positional arguments in the help."""
     for action in command._actions:
         yield from action.option_strings or [str(action.metavar)]
 
 
 def schema_keys(schema: dict[str, Any]) -> Iterator[str]:
-    """Dotted keys of a JSON Schema, `[]` for the entries of an array of tables."""
+    """Return the dotted keys of a JSON Schema, with `[]` for the entries of an array of tables."""
 
     def below(node: dict[str, Any], path: str) -> Iterator[str]:
         for part in (node, *node.get("anyOf", ()), *node.get("allOf", ())):
@@ -84,7 +84,7 @@ def schema_keys(schema: dict[str, Any]) -> Iterator[str]:
 
 
 def json_keys(value: Any, path: str = "") -> Iterator[str]:
-    """Dotted keys of an object, `[]` for the entries of an array."""
+    """Yield the dotted keys of an object, with `[]` for the entries of an array."""
     if isinstance(value, dict):
         for name, item in value.items():
             key = f"{path}.{name}".removeprefix(".")
@@ -97,14 +97,14 @@ def json_keys(value: Any, path: str = "") -> Iterator[str]:
 
 
 def solved(scene: str, *options: str) -> dict[str, Any]:
-    """What `crosscheck solve --json` prints."""
+    """Return the output of `crosscheck solve --json`."""
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as printed:
         main(["solve", scene, "--json", "-q", "--results", folder, *options])
     return dict(json.loads(printed.getvalue()))
 
 
 def compared() -> dict[str, Any]:
-    """What `crosscheck run` stores of a scene that both methods know."""
+    """Return comparison.json of a scene by both methods, as `crosscheck run` stores it."""
     with tempfile.TemporaryDirectory() as folder:
         main(["run", "two_pads", "-q", "-o", folder])
         return dict(json.loads((Path(folder) / "two_pads" / "comparison.json").read_text(encoding="utf-8")))

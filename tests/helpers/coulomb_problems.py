@@ -11,21 +11,21 @@ from la_core.model.joints import JointStiffness, joint_stiffness
 from la_core.scene.scene import Scene
 
 STRAIN = 2e-3  # relative: elastic joints leave a sag of 1/300 of the travel
-UNSLIDING = 1e-3  # relative: where nothing slides, only solver tolerance and that strain separate the two answers
-PLATEAU = 1e-2  # relative: what friction's history leaves open between ways to the same plateau
-DIGIT = 2e-4  # of the weight: two units of the last printed digit
-FOUND = 1e-6  # of the weight: the interval's ends are cone programmes
+UNSLIDING = 1e-3  # relative: where no joint slides, the two answers differ only by solver tolerance and strain of the joints
+PLATEAU = 1e-2  # relative: two paths to the same plateau differ by friction's history
+DIGIT = 2e-4  # share of the weight: two units of the last printed digit
+FOUND = 1e-6  # share of the weight: cone programmes compute the interval's ends
 in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 
 
 def problem(scene: Scene, **settings: float) -> tuple[Assembly, JointStiffness]:
-    """Assembly of a scene and the stiffness of its joints."""
+    """Return the assembly of a scene and the stiffness of its joints."""
     assembly = assemble(scene)
     return assembly, joint_stiffness(assembly, {**scene.yade, **settings})
 
 
 def answer(scene: Scene, wedging: float = 0.0, **settings: float) -> tuple[Assembly, CoulombSolution]:
-    """Prediction with the associated answer's status and value checked; fails unless solved."""
+    """Return assembly and prediction. Fails unless the associated answer and the prediction are solved."""
     assembly, stiffness = problem(scene, **settings)
     associated = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     assert associated.status is Status.SOLVED
@@ -35,24 +35,24 @@ def answer(scene: Scene, wedging: float = 0.0, **settings: float) -> tuple[Assem
 
 
 def unit(assembly: Assembly) -> float:
-    """Weight, or 1 for a multiplier."""
+    """Return the weight, or 1 for a multiplier."""
     return 1.0 if assembly.has_live_load else assembly.weight
 
 
 def value(scene: Scene, **settings: float) -> float:
-    """Reaction over the weight, or multiplier."""
+    """Return the reaction over the weight, or the multiplier."""
     assembly, solution = answer(scene, **settings)
     return solution.value / unit(assembly)
 
 
 def bounds(scene: Scene, **settings: float) -> list[float]:
-    """Ends of the interval over the weight, or as multipliers."""
+    """Return the ends of the interval over the weight, or as multipliers."""
     assembly, solution = answer(scene, **settings)
     return [end / unit(assembly) for end in solution.interval]
 
 
 def small_wall(**options) -> Scene:
-    """Six courses of five blocks; the last third settles."""
+    """Six courses of five blocks. The last two fifths of the base settle."""
     return scenes.build(*scenes.wall(5, 6, split=1.2), **options)
 
 
@@ -62,7 +62,7 @@ def great_wall(mu: float, split: float, plane: bool = True) -> Scene:
 
 
 def beams(**options) -> Scene:
-    """Crossing beams on two piers, pulled down and askew: a scene that is not plane."""
+    """Crossing beams on two piers, pulled down and obliquely: a scene that is not plane."""
     return scenes.build(
         *scenes.crossing_beams(),
         **{"settlement": (0.3, 0.2, -1.0)} | options,

@@ -1,4 +1,4 @@
-"""An array that counts how many of its entries are read: work that grows faster than a structure is found without a clock."""
+"""An array that counts the entries read. The count shows, without a clock, work that grows faster than the structure."""
 
 from typing import Any, ClassVar
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Counted(np.ndarray):
-    """An array whose entries are counted as they are compared or picked; the count `read` is one for all such arrays, to be set to 0."""
+    """An array that counts its entries as they are compared or picked. All such arrays share one count, `read`, which a test sets to 0."""
 
     read: ClassVar[int] = 0
 

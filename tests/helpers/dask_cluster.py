@@ -1,4 +1,4 @@
-"""A Dask scheduler with so many worker processes of one thread each; says its address, and ends with its standard input."""
+"""A Dask scheduler with worker processes of one thread each, as many as its argument. Prints its address, and ends with its input."""
 
 import sys
 

@@ -1,7 +1,7 @@
-"""A YADE that dies by SIGKILL at a moment of its run: `dying_yade.py MOMENT run_case.py ...`, run by YADE's interpreter.
+"""A run of YADE that ends itself by SIGKILL at a moment: `dying_yade.py MOMENT run_case.py ...`, run by YADE's interpreter.
 
-The moment is "loaded", the number of a row of all attempts, or "written", when the results lie under the name of an unfinished file. At
-"never" it lives on, and writes how many rows there were into the file `rows` beside its results.
+The moment is "loaded", the number of a row over all attempts, or "written", when the results are in a file with the name of an unfinished
+file. At "never" the run ends normally, and writes its number of rows into the file `rows` beside its results.
 """
 
 import importlib.util

@@ -7,9 +7,9 @@ import ezdxf
 import numpy as np
 import shapely
 
-JOINT = 10.0  # mm, of mortar that is not drawn
+JOINT = 10.0  # mm, thickness of mortar that is not drawn
 BRICK = (400.0, 200.0)  # mm, joints included
-CUT_OFF = 8000.0  # mm2: a smaller rest of a brick is not laid
+CUT_OFF = 8000.0  # mm2; a smaller piece of a brick is left out
 CHORDS = 96  # of an arc, while outlines are computed
 
 
@@ -41,13 +41,13 @@ class Window:
         return float(np.arcsin(self.width / 2.0 / self.radius))
 
     def ring(self, inner: float, outer: float, start: float, end: float) -> np.ndarray:
-        """Outline between two radii and two angles from the vertical, clockwise positive."""
+        """Return the outline between two radii and two angles from the vertical, clockwise positive."""
         angle = np.linspace(start, end, CHORDS)
         arc = np.column_stack([np.sin(angle), np.cos(angle)])
         return self.centre + np.concatenate([inner * arc, outer * arc[::-1]])
 
     def void(self) -> shapely.Polygon:
-        """Where no brick lies: the opening and the arch with the joint around it."""
+        """Return the area without bricks: the opening and the arch with the joint around it."""
         head = self.ring(0.0, self.radius, -self.half_angle, self.half_angle)
         body = shapely.box(self.x, self.sill, self.x + self.width, self.sill + self.jamb)
         turn = JOINT / (self.radius + self.thickness)
@@ -56,7 +56,7 @@ class Window:
 
 
 def bricks(length: int, courses: int, windows: tuple[Window, ...]) -> list[np.ndarray]:
-    """Outlines (n, 2), mm, of a wall `length` bricks long in running bond around windows, with open joints."""
+    """Return the outlines (n, 2), mm, of a wall `length` bricks long in running bond around windows, with open joints."""
     void = shapely.union_all([window.void() for window in windows])
     shapely.prepare(void)
     width, height = BRICK
@@ -74,7 +74,7 @@ def bricks(length: int, courses: int, windows: tuple[Window, ...]) -> list[np.nd
 
 
 def voussoirs(window: Window) -> list[tuple[np.ndarray, float, float]]:
-    """Corners (4, 2), mm, of each voussoir with wedge-shaped joints, and the bulges of its intrados and its extrados."""
+    """Return the corners (4, 2), mm, of each voussoir between wedge-shaped joints, and the bulges of its intrados and its extrados."""
     edges = np.linspace(-window.half_angle, window.half_angle, window.voussoirs + 1)
     gap = JOINT / 2.0 / window.radius
     found = []
@@ -88,7 +88,7 @@ def voussoirs(window: Window) -> list[tuple[np.ndarray, float, float]]:
 
 
 def with_bulges(outline: np.ndarray, windows: tuple[Window, ...]) -> list[tuple[float, float, float]]:
-    """Corners of an outline with the bulge of the edge after each; points along an extrados become one arc."""
+    """Return the corners of an outline, each with the bulge of its next edge. Points along an extrados become one arc."""
     on_arc = np.zeros(len(outline), dtype=int)
     for number, window in enumerate(windows, 1):
         distance = np.hypot(*(outline - window.centre).T)
@@ -107,7 +107,7 @@ def with_bulges(outline: np.ndarray, windows: tuple[Window, ...]) -> list[tuple[
 
 
 def elevation(length: int, courses: int, windows: tuple[Window, ...], twice: int = 6) -> bytes:
-    """A DXF file in mm: whole bricks as inserts, others as polylines or lines, arcs at the arches, `twice` bricks drawn twice."""
+    """Return a DXF file in mm: bricks as inserts, polylines or lines, arcs at the arches, and about `twice` bricks drawn twice."""
     document = ezdxf.new("R2010", units=4)
     for layer, colour in (("BRICKS", 1), ("ARCHES", 3), ("GROUND", 8), ("SETTLING", 5), ("DIMENSIONS", 2)):
         document.layers.add(layer, color=colour)

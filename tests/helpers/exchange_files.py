@@ -31,14 +31,14 @@ VALUES = {
 
 
 def write_whole(folder: Path) -> Path:
-    """A file of the made-up fields."""
+    """Write a file of the made-up fields and return its path."""
     path = folder / "file.h5"
     exchange.write(path, FIELDS, VALUES, "digest")
     return path
 
 
 def write_wall(folder: Path) -> tuple[Path, Scene, LimitAnalysis]:
-    """The case of a small wall, and what it holds."""
+    """Write the case of a small wall. Return its path, its scene and its limit analysis."""
     scene = scenes.build(*scenes.wall(3, 4, split=0.8), inset=0.001)
     analysis = analyse(scene)
     path = folder / "case.h5"

@@ -1,4 +1,4 @@
-"""What tests of faults share: runs as processes, what they left behind, what they said."""
+"""Helpers for tests of faults: runs as processes, the files that they leave behind, and their messages."""
 
 import json
 import os
@@ -15,14 +15,14 @@ from la_core.scene.shipped import find
 
 ROOT = Path(__file__).parents[2]
 USAGE, TOOL, INTERRUPTED = 2, 3, 130
-RUN_SECONDS = 2.0  # about what a run of two pads takes; only where a signal may come at any time
-PATIENCE = 600.0  # s, a last resort for what should happen at once: a busy machine is no fault
+RUN_SECONDS = 2.0  # about the duration of a run of two pads; only where a signal may come at any time
+PATIENCE = 600.0  # s, a last resort for events that should happen at once: a busy machine is no fault
 
 Fake = Callable[[str], None]
 
 
 def lasting(value: Any) -> Any:
-    """What comparison.json says apart from how long it took, and the digests, which know that and what was drawn."""
+    """Return comparison.json without its seconds and without the digests, which depend on the seconds and on the figures."""
     if isinstance(value, dict):
         return {name: lasting(item) for name, item in value.items() if name not in ("seconds", "inputs", "sum", "files")}
     return [lasting(item) for item in value] if isinstance(value, list) else value
@@ -37,7 +37,7 @@ def unfinished(out: Path) -> list[Path]:
 
 
 def one_message(said: str, *words: str) -> None:
-    said = " ".join(said.split())  # a narrow terminal breaks it into lines
+    said = " ".join(said.split())  # a narrow terminal breaks the message into lines
     assert said.count("error: ") == 1 and "Traceback" not in said and "unexpected" not in said, said
     assert all(word in said for word in words), said
 
@@ -49,7 +49,7 @@ def crosscheck(*arguments: str, **options: Any) -> "subprocess.Popen[str]":
 
 
 def endless(folder: Path, name: str = "two_pads") -> Path:
-    """A file with the scene "two_pads" whose run in YADE has days before it: what is to be stopped cannot have ended before."""
+    """Write a scene file of "two_pads" whose run in YADE takes days, so that it cannot end before a test stops it."""
     path = folder / "endless" / f"{name}.toml"
     path.parent.mkdir(exist_ok=True)
     path.write_text(find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 1e-12\n", encoding="utf-8")
@@ -57,12 +57,12 @@ def endless(folder: Path, name: str = "two_pads") -> Path:
 
 
 def dies(*ignored: object, **options: object) -> None:
-    """Work that ends its process, as a lack of memory does."""
+    """End the process, as a lack of memory does."""
     os._exit(9)
 
 
 class _Ending:
-    """An object whose end takes so long that a stop comes meanwhile, and tells when it has begun."""
+    """An object whose destruction takes so long that a stop comes meanwhile. It writes a file when its destruction begins."""
 
     def __init__(self, begun: Path) -> None:
         self.begun = begun
@@ -73,7 +73,7 @@ class _Ending:
 
 
 def stops_while_an_object_ends(folder: Path) -> None:
-    """Work that is stopped while Python destroys an object, and that has something to finish."""
+    """Work that is stopped while Python destroys an object. It must still write a file before it ends."""
     _Ending(folder / "begun")
     try:
         time.sleep(PATIENCE)
@@ -82,7 +82,7 @@ def stops_while_an_object_ends(folder: Path) -> None:
 
 
 class UnreadableError(Exception):
-    """An error that can be pickled and not be read again, as some libraries' are."""
+    """An error that can be pickled but not unpickled, like errors of some libraries."""
 
     def __init__(self, one: str, two: str) -> None:
         super().__init__(f"{one} and {two}")
@@ -97,11 +97,11 @@ def refuses(word: str) -> None:
 
 
 def held_yade(folder: Path, after: int = 0) -> tuple[dict[str, str], Path]:
-    """Environment in which runs in YADE beyond the first `after` wait before they begin, and the file that lets them go on."""
+    """Return an environment in which runs in YADE, except the first `after`, wait before they begin, and the file that lets them go on."""
     python, count, go = (folder / name for name in ("python", "begun", "go on"))
     awaited = "[ $PPID -gt 1 ] && kill -0 $PPID"  # the parent is 1 where the run was killed before this shell began
     wait = f'while [ ! -e "{go}" ] && [ "$(wc -l < "{count}")" -gt {after} ] && {awaited}; do sleep 0.05; done'
-    alone = f"{{ {awaited}; }} || exit 1"  # nobody is left to read a result
+    alone = f"{{ {awaited}; }} || exit 1"  # no process is left to read a result
     python.write_text(f'#!/bin/sh\nif [ "$2" != -c ]; then echo >> "{count}"; {wait}; {alone}; fi\nexec {SYSTEM_PYTHON} "$@"\n')
     python.chmod(0o755)
     return {**os.environ, "CROSSCHECK_YADE_PYTHON": str(python)}, go
@@ -115,12 +115,12 @@ def wait_for(happens: Callable[[], bool], seconds: float = PATIENCE) -> None:
 
 
 def processes_about(path: Path) -> list[int]:
-    """Processes whose command line names a path."""
+    """Return the processes whose command line names a path."""
     found = []
     for entry in Path("/proc").iterdir():
         try:
             if entry.name.isdigit() and str(path).encode() in (entry / "cmdline").read_bytes():
                 found.append(int(entry.name))
         except OSError:
-            continue  # it ended just now
+            continue  # the process has just ended
     return found

@@ -61,7 +61,7 @@ def scene_of(folder: Path, body: str, title: str = "A scene") -> Scene:
 
 
 def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
-    """A record that falls from rest to a plateau 1 % of the weight above the least reaction, with the associated mechanism."""
+    """Return a run whose reaction falls to a plateau 1 % of the weight above the least reaction, with the associated mechanism."""
     least = analysis.bounds[Drive.YIELDING]
     weight = analysis.assembly.weight
     settlement = np.linspace(0.0, 4e-4, 200)

@@ -1,4 +1,4 @@
-"""Damage to files, by chance and by intent: bytes, numbers, lines, nesting and texts of a text; datasets and links of an HDF5 file."""
+"""Random and deliberate damage to files: bytes, numbers, lines, nesting and quoted words of a text; datasets and links of an HDF5 file."""
 
 import io
 import random
@@ -28,7 +28,7 @@ DEPTHS = (10, 120, 3000, 100_000)
 
 
 def mutated_text(content: bytes, other: bytes, chance: random.Random) -> bytes:
-    """A text after one to three changes; `other` is a text that lines may come from."""
+    """Return a text after one to three changes. other: a text from which lines may be taken."""
     for _ in range(chance.choice((1, 1, 2, 3))):
         content = chance.choice(TEXT_CHANGES)(content, other, chance)
     return content
@@ -44,7 +44,7 @@ def _number(content: bytes, other: bytes, chance: random.Random) -> bytes:
 
 
 def _scaled(content: bytes, other: bytes, chance: random.Random) -> bytes:
-    """A number some powers larger or smaller, or next to itself."""
+    """Multiply one number by a factor of FACTORS, some of them nearly one."""
     text = content.decode("utf-8", "surrogateescape")
     if not (found := list(NUMBER.finditer(text))):
         return content
@@ -67,7 +67,7 @@ def _replaced(content: bytes, pattern: re.Pattern[str], by: str, chance: random.
 
 
 def _lines(content: bytes, other: bytes, chance: random.Random) -> bytes:
-    """A line doubled, left out, moved, or taken from the other text."""
+    """Remove a line, insert lines of the same or of the other text, or do both."""
     lines, source = content.split(b"\n"), chance.choice((content, other)).split(b"\n")
     if chance.random() < 0.5:
         del lines[chance.randrange(len(lines))]
@@ -97,7 +97,7 @@ TEXT_CHANGES: tuple[Change, ...] = (_bytes, _number, _number, _scaled, _scaled, 
 
 
 def mutated_bytes(content: bytes, chance: random.Random) -> bytes:
-    """A binary file after one to four changes: bits, whole numbers at their limits, zeros, a piece lost, doubled or cut off."""
+    """Return a binary file after one to four changes: bits, numbers at their limits, random bytes, a piece lost, doubled or cut off."""
     damaged = bytearray(content)
     for _ in range(chance.randint(1, 4)):
         place, size = chance.randrange(len(damaged) + 1), chance.choice((1, 2, 4, 8, 64))
@@ -118,7 +118,7 @@ def mutated_bytes(content: bytes, chance: random.Random) -> bytes:
 
 
 def forged(content: bytes, chance: random.Random) -> bytes:
-    """A file between the methods that another hand has changed: its bytes, or its datasets by HDF5's own means."""
+    """Return an exchange file that another program has changed: its bytes, or its datasets through HDF5."""
     if chance.random() < 0.5:
         return content[:SEAL_BYTES] + mutated_bytes(content[SEAL_BYTES:], chance)
     image = io.BytesIO(content)

@@ -1,4 +1,4 @@
-"""Shapes gathered into blocks, and turned; and how exact their coordinates then are."""
+"""Shapes gathered into blocks or turned, and the accuracy of their coordinates."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ TURNED = 1e-9  # m, after a rotation and a convex hull
 
 
 def gathered(*shapes: Shape, held: int = 0) -> Blocks:
-    """Blocks named a, b, c...; the first `held` of them are fixed."""
+    """Return blocks named a, b, c... The first `held` blocks are fixed."""
     roles = ["fixed"] * held + ["free"] * (len(shapes) - held)
     return Blocks.gather([chr(97 + k) for k in range(len(shapes))], roles, [1.0] * len(shapes), shapes)
 

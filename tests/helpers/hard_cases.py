@@ -1,7 +1,7 @@
-"""Structures that break programs: the same ones for limit analysis, YADE and the judge, with what is known of each.
+"""Structures that break programs, for limit analysis, YADE and the judge, each with its known answer.
 
-Nothing here calls a solver. Most are two pads under a block, whose least reaction is one sixth of its weight by its levers alone, or two
-columns side by side, of which the right one settles and carries its own weight: half of both.
+No function here calls a solver. Most structures are a block on two pads, whose least reaction follows from its levers: one sixth of its
+weight. Others are two columns side by side. The right column settles and carries its own weight: half of the total.
 """
 
 from collections.abc import Iterator
@@ -18,9 +18,9 @@ FALLS, REFUSED = "falls", "refused"
 
 @dataclass(frozen=True)
 class HardCase:
-    """One scene. known: least reaction over the weight without dilatancy, FALLS, REFUSED, or None where only the laws are known.
+    """One scene. known: least reaction over the weight without dilatancy, FALLS, REFUSED, or None where no value is known.
 
-    yade: whether both methods take it.
+    yade: True if YADE runs the scene, too.
     """
 
     name: str
@@ -31,7 +31,7 @@ class HardCase:
 
     @property
     def long(self) -> bool:
-        """Whether its run in YADE is left to the long tests."""
+        """True if only the long tests run the case in YADE."""
         return self.name not in QUICK
 
 
@@ -45,7 +45,7 @@ def pads(
     inset: float = 1e-3,
     **options: object,
 ) -> str:
-    """A block of length 1 on two pads from x to x, all lengths times `size`; `top` lifts the settling pad, in units of `size`."""
+    """A block of length 1 on two pads. fixed, settling: ends of the pads in x; top: of the settling pad. `size` multiplies all lengths."""
 
     def scaled(*corner: float) -> tuple[float, ...]:
         return tuple(size * coordinate for coordinate in corner)
@@ -75,7 +75,7 @@ def columns(friction: float, *parts: str) -> str:
 
 
 def two_layers(below: float, above: float) -> str:
-    """Two slabs of those densities on the pads."""
+    """Two slabs on the pads. below, above: their densities, kg/m3."""
     return scenes.text(
         scenes.box("lower slab", (0.0, 0.0, 0.0), (1.0, 0.2, 0.2), density=below),
         scenes.box("upper slab", (0.0, 0.0, 0.2), (1.0, 0.2, 0.4), density=above),
@@ -87,13 +87,13 @@ def two_layers(below: float, above: float) -> str:
 
 
 def tower(blocks: int) -> str:
-    """One block upon another, on the support."""
+    """A tower of blocks on the support."""
     boxes = [scenes.box(f"block {k}", (0.0, 0.0, 0.2 * k), (0.4, 0.3, 0.2 * (k + 1))) for k in range(blocks)]
     return scenes.text(*boxes, scenes.box("pad", (0.0, 0.0, -0.2), (0.4, 0.3, 0.0), "support"), inset=1e-3, model="auto")
 
 
 def many_pads(pads_below: int) -> str:
-    """A slab on so many pads, of which the last but one settles: the others take its load."""
+    """A slab on `pads_below` pads. The last pad but one settles, and the other pads take its load."""
     width = 10.0 / pads_below
     role = {pads_below - 2: "support"}
     below = [scenes.box(f"pad {k}", (k * width, 0.0, -0.1), ((k + 0.5) * width, 0.2, 0.0), role.get(k, "fixed")) for k in range(pads_below)]
@@ -101,7 +101,7 @@ def many_pads(pads_below: int) -> str:
 
 
 def rubble(seed: int, stones: int = 14) -> str:
-    """Convex stones of every shape that fill a wall of 2 x 1 m: cells of random points, mirrored at the wall's sides."""
+    """Convex stones of random shapes that fill a wall of 2 x 1 m: Voronoi cells of random points, mirrored at the wall's sides."""
     points = np.random.default_rng(seed).random((stones, 2)) * [2.0, 1.0]
     mirrored = [points * [1, -1], points * [-1, 1], points * [-1, 1] + [4, 0], points * [1, -1] + [0, 2]]
     cells = Voronoi(np.vstack([points, *mirrored]))
@@ -113,7 +113,7 @@ def rubble(seed: int, stones: int = 14) -> str:
 
 
 def tilted_pad(slope: float) -> str:
-    """The settling pad's top falls away from its outer edge."""
+    """A block on two pads. The top of the settling pad slopes down from its outer edge."""
     profile = ((0.5, -0.1), (1.0, -0.1), (1.0, 0.0), (0.5, -0.5 * slope))
     return scenes.text(
         scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
@@ -125,7 +125,7 @@ def tilted_pad(slope: float) -> str:
 
 
 def knife(edge: float) -> str:
-    """A wedge under the block's far end, whose edge is so wide."""
+    """A block on a pad and, towards its far end, on a wedge. edge: width of the wedge's upper edge, m."""
     profile = ((0.8 - edge, 0.0), (0.7, -0.1), (0.9, -0.1), (0.8, 0.0)) if edge else ((0.8, 0.0), (0.7, -0.1), (0.9, -0.1))
     return scenes.text(
         scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
@@ -137,7 +137,7 @@ def knife(edge: float) -> str:
 
 
 def cube_on_top(size: float, density: float = 2000.0) -> tuple[str, float]:
-    """Pads whose block carries a cube at its far end, and the least reaction over the weight."""
+    """Return pads whose block carries a cube at its far end, and the least reaction over the weight."""
     inset = min(1e-3, 0.02 * size)
     text = pads(scenes.box("cube", (1.0 - size, 0.0, 0.5), (1.0, size, 0.5 + size), density=density), plane=False, inset=inset)
     cube, block = size**3 * density, 0.1 * 2000.0
@@ -154,7 +154,7 @@ QUICK = (  # a case of each kind whose run in YADE takes a second or two
 
 
 def catalogue() -> Iterator[HardCase]:
-    """Every case, in the order of the table."""
+    """Yield every case, in the order of the table."""
     yield from _units()
     yield from _friction()
     yield from _mixed_sizes()
@@ -176,7 +176,7 @@ def _friction() -> Iterator[HardCase]:
         yield HardCase(f"pads, friction {friction:g}", "friction from none to that of glue", pads(friction=friction), SIXTH)
     for friction in (0.0, 1e-6, 0.9):
         yield HardCase(f"columns, friction {friction:g}", "two bodies that only friction ties", columns(friction), HALF)
-    for friction in (5.0, 1e3):  # a block that tilts by the joints' strain jams: what it carries depends on that strain
+    for friction in (5.0, 1e3):  # a block that tilts by the joints' strain jams, and its load depends on this strain
         yield HardCase(f"columns, friction {friction:g}", "a joint that jams", columns(friction), None)
 
 

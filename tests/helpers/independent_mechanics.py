@@ -1,4 +1,4 @@
-"""Equilibrium, cones, flow rule and duality by lines of their own: what answers of `la_core` are held against, and other solvers."""
+"""Equilibrium, cones, flow rule and duality, written independently of `la_core` to check its answers, and other solvers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from la_core.limit.static import StaticSolution, coulomb_limits, solve_static
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene
 
-RESIDUAL = 1e-6  # of the mean block weight, or of the fastest block: what la_core promises of an answer called solved
+RESIDUAL = 1e-6  # over the mean block weight, or the fastest block: largest residual of a solved answer of la_core
 FACETS = 16  # of the pyramids that bracket a cone in space
 VERDICTS = (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED)
 
@@ -25,12 +25,12 @@ def drives(assembly: Assembly) -> list[Drive]:
 
 
 def kept(assembly: Assembly) -> list[int]:
-    """Freedoms of a block in the plane or in space."""
+    """Return the indices of a block's freedoms in the plane or in space."""
     return [0, 2, 4] if assembly.effects.plane else list(range(6))
 
 
 def jumps(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
-    """Velocity (C, 3) of block b relative to block a at every contact point."""
+    """Return the velocity (C, 3) of block b relative to block a at every contact point."""
 
     def velocity(block: np.ndarray) -> np.ndarray:
         return twists[block, :3] + np.cross(twists[block, 3:], assembly.points.position - assembly.blocks.centroid[block])
@@ -40,14 +40,14 @@ def jumps(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
 
 
 def fastest(assembly: Assembly, twists: np.ndarray) -> float:
-    """Greatest speed of a block's corner."""
+    """Return the greatest speed of a block's corner."""
     owner = np.repeat(np.arange(len(assembly.blocks)), np.diff(assembly.blocks.vertex_start))
     arm = assembly.blocks.vertices - assembly.blocks.centroid[owner]
     return float(np.linalg.norm(twists[owner, :3] + np.cross(twists[owner, 3:], arm), axis=1).max())
 
 
 def unbalanced(scene: Scene, assembly: Assembly, forces: np.ndarray, multiplier: float = 0.0) -> np.ndarray:
-    """Force and moment over the blocks' mean size (F, 6) that are left on every free block."""
+    """Return the unbalanced force, and moment over the blocks' mean size, on every free block, N: (F, 6), or (F, 3) in the plane."""
     total = np.zeros((len(scene.blocks), 6))
     weight = scene.blocks.density * scene.blocks.volume * np.linalg.norm(scene.gravity)
     along = scene.gravity / np.linalg.norm(scene.gravity)
@@ -61,38 +61,38 @@ def unbalanced(scene: Scene, assembly: Assembly, forces: np.ndarray, multiplier:
 
 
 def parts(assembly: Assembly, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Normal component (C,) and size of the rest (C,)."""
+    """Return the normal component (C,) and the magnitude of the tangential component (C,) at every contact point."""
     normal = assembly.interfaces.normal[assembly.points.interface]
     along = np.einsum("ij,ij->i", vectors, normal)
     return along, np.linalg.norm(vectors - along[:, None] * normal, axis=1)
 
 
 def cone_residual(assembly: Assembly, forces: np.ndarray) -> float:
-    """Most by which a contact force pulls or exceeds its friction, N."""
+    """Return the largest tension of a contact force, or its largest excess over friction, N."""
     push, shear = parts(assembly, forces)
     return max(0.0, -push.min(), (shear - assembly.points.friction * push).max())
 
 
 def flow_residual(assembly: Assembly, twists: np.ndarray) -> float:
-    """Largest distance of a relative velocity from u_n >= mu |u_t|, over the fastest block."""
+    """Return the largest distance of a relative velocity from u_n >= mu |u_t|, over the speed of the fastest block."""
     opening, slip = parts(assembly, jumps(assembly, twists))
     friction = assembly.points.friction
     return float(np.maximum((friction * slip - opening) / np.hypot(1.0, friction), -opening).max() / fastest(assembly, twists))
 
 
 def reaction(assembly: Assembly, forces: np.ndarray) -> float:
-    """Minus the power of the forces on the structure under the support's unit motion."""
+    """Return minus the power of the forces on the structure under the support's unit motion."""
     held = np.where(assembly.blocks.free[:, None], 0.0, assembly.support_twist)
     return float(np.sum(forces * jumps(assembly, held)))
 
 
 def work(assembly: Assembly, twists: np.ndarray) -> float:
-    """Power of the weights."""
+    """Return the power of the dead loads."""
     return float(np.sum(assembly.dead_load * twists))
 
 
 def slack(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, residual: float = RESIDUAL) -> float:
-    """Most by which virtual power of a mechanism and of forces may miss a duality when both keep their residuals."""
+    """Return the largest error of a duality between a mechanism and forces whose residuals are within their limits."""
     scaled = np.abs(twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3]))[assembly.blocks.free]
     relative = np.linalg.norm(jumps(assembly, twists), axis=1)
     resisted = RESIDUAL * fastest(assembly, twists) * np.linalg.norm(forces, axis=1).sum()
@@ -100,7 +100,7 @@ def slack(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, residual: 
 
 
 def value_slack(assembly: Assembly, drive: Drive, first: Solution | StaticSolution, second: Solution | StaticSolution) -> float:
-    """Most by which the values of two answers to one problem may differ: crosswise, forces of one on the mechanism of the other."""
+    """Return the largest difference of the values of two answers to one problem: the forces of each act on the other's mechanism."""
     unit = 1.0 if drive is Drive.LIVE else assembly.mean_weight * fastest_support(assembly)
     cross = slack(assembly, first.twists, second.forces) + slack(assembly, second.twists, first.forces)
     return cross + 2.0 * RESIDUAL * unit
@@ -111,9 +111,9 @@ def fastest_support(assembly: Assembly) -> float:
 
 
 def distance_from_equilibrium(scene: Scene, assembly: Assembly, radius: float) -> float:
-    """Least sum of what is left on the free blocks over the weight, forces within pyramids of that radius times friction; by HiGHS.
+    """Return the least sum of unbalanced forces on the free blocks over the weight, by HiGHS. Pyramids of `radius` replace the cones.
 
-    It is the greatest work of the weights on a motion that the pyramids admit, no component of it above one.
+    By duality it is the greatest power of the weights in a motion that the pyramids admit, with components of at most one.
     """
     points, plane = assembly.points, assembly.effects.plane
     normal, first = assembly.axes[:, 0], assembly.axes[:, 1]
@@ -140,10 +140,10 @@ def distance_from_equilibrium(scene: Scene, assembly: Assembly, radius: float) -
 
 @dataclass(frozen=True)
 class OtherSolvers:
-    """What the static form and HiGHS say of a problem. Values and differences are over the weight, NaN where a status differs.
+    """Answers of the static form and of HiGHS to a problem. Values and differences are over the weight; NaN unless all are solved.
 
-    low, high: HiGHS on pyramids about and within the cones, the same in the plane. beyond: most by which the conic value misses the
-    static form's, or leaves the bracket. allowed: what the residuals of the answers can make of it.
+    low, high: values of HiGHS with pyramids around and within the cones, equal in the plane. beyond: largest difference of the conic value
+    from the static value, or from the interval low to high. allowed: largest difference that the residuals of the answers allow.
     """
 
     statuses: tuple[Status, Status, Status, Status]  # conic, static, HiGHS within, HiGHS about
@@ -155,12 +155,12 @@ class OtherSolvers:
 
     @property
     def agree(self) -> bool:
-        """Whether all say the same status and, where they have one, the same value."""
+        """True if all statuses are the same and, where solved, all values agree."""
         return len(set(self.statuses)) == 1 and (self.statuses[0] is not Status.SOLVED or self.beyond <= self.allowed)
 
 
 def ask_other_solvers(assembly: Assembly, drive: Drive) -> OtherSolvers:
-    """The conic answer beside the static form's, and HiGHS' on the linearised problem."""
+    """Compare the conic answer with that of the static form, and with those of HiGHS to the linearised problem."""
     conic, static = solve_associated(assembly, drive), solve_static(assembly, drive, *coulomb_limits(assembly))
     inside, outside = (solve_linearised(assembly, drive, FACETS, inscribed) for inscribed in (True, False))
     statuses = (conic.status, static.status, inside.status, outside.status)
@@ -172,7 +172,7 @@ def ask_other_solvers(assembly: Assembly, drive: Drive) -> OtherSolvers:
     return OtherSolvers(statuses, *(value / assembly.weight for value in (static.value, low, high, beyond, allowed)))
 
 
-# --- walls of rectangles: another form of the problem, and nothing of `la_core` but the corners of the blocks -----------------
+# --- walls of rectangles: another form of the problem, which takes only the data of the scene from `la_core` ------------------
 
 
 @dataclass(frozen=True)
@@ -186,14 +186,14 @@ class Rectangles:
 
     @classmethod
     def of(cls, scene: Scene) -> "Rectangles":
-        """Of a scene made of boxes; only their corners are taken from it."""
+        """Take corners, densities and roles of a scene made of boxes."""
         corners = [scene.blocks.vertices[i:j] for i, j in zip(scene.blocks.vertex_start, scene.blocks.vertex_start[1:], strict=False)]
         low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])
         weight = scene.blocks.density * np.prod(high - low, axis=1) * 9.81
         return cls(low[:, [0, 2]], high[:, [0, 2]], weight, scene.blocks.role)
 
     def joints(self) -> Iterator[tuple[int, int, int, float, float, float]]:
-        """(a, b, axis, place, from, to): b lies beyond a along `axis` (0: x, 1: z) and they share this segment."""
+        """Yield (a, b, axis, place, from, to): b touches the far side of a along `axis` (0: x, 1: z), at `place`, on this segment."""
         near = 1e-9
         for a in range(len(self.low)):
             for axis in (0, 1):
@@ -207,11 +207,11 @@ class Rectangles:
 
 
 def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
-    """Least (sign 1) or greatest (sign -1) reaction over weight, or the multiplier of a live load along x: static form.
+    """Return the least (sign 1) or greatest (sign -1) reaction over weight, or the multiplier of a live load along x, by the static form.
 
     The reaction is the power of the forces on each support against its own unit motion, which may differ from support to support.
 
-    Unknowns: normal and tangential force at both ends of every joint. Independent of la_core but for the corners of the blocks.
+    The unknowns are the normal and tangential forces at both ends of every joint. Only the data of the scene come from la_core.
     """
     shape = Rectangles.of(scene)
     free = shape.role == FREE
@@ -256,7 +256,7 @@ def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
 
 
 def _velocity(scene: Scene, block: int, point: np.ndarray) -> np.ndarray:
-    """Velocity (x, z) of a point (x, z) of a support for the unit settlement; zero for a live load."""
+    """Return the velocity (x, z) of a point (x, z) of a support for the unit settlement; zero for a live load."""
     if scene.support_twists is None:
         return np.zeros(2)
     velocity_x, _, velocity_z, _, spin, _ = scene.support_twists[block]
@@ -264,7 +264,7 @@ def _velocity(scene: Scene, block: int, point: np.ndarray) -> np.ndarray:
 
 
 def _friction_of_joint_ends(count: int, friction: float) -> csr_matrix:
-    """Rows |T| - friction N <= 0 of every joint's end; columns N, T in turn, and one for the multiplier."""
+    """Return the rows |T| - friction N <= 0 of every joint's end. The columns are N and T in turn, and one for the multiplier."""
     return coo_matrix(
         (
             np.concatenate([np.ones(count), np.full(count, -friction), -np.ones(count), np.full(count, -friction)]),

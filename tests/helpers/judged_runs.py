@@ -1,4 +1,4 @@
-"""Runs as the judge sees them: its checks and their verdicts by name, and a prediction with what a test changes."""
+"""Helpers for tests of the judge: checks of a run and their verdicts by name, and a changed prediction."""
 
 import dataclasses
 

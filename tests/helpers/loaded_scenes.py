@@ -1,4 +1,4 @@
-"""Blocks to be loaded and tied, tables of loads, ties and friction, and their solutions."""
+"""Blocks for loads and ties, tables of loads, ties and friction, and their solutions."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,8 +10,8 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 
-EXACT = 1e-6  # of the weight: what the solver promises
-PREDICTED = 1e-3  # of the weight: joints are a little elastic in the prediction
+EXACT = 1e-6  # share of the weight: accuracy of the solver
+PREDICTED = 1e-3  # share of the weight: joints are slightly elastic in the prediction
 BEAM = (
     scenes.box("left", (0.0, 0.0, -0.2), (0.2, 1.0, 0.0), "fixed"),
     scenes.box("right", (0.8, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),
@@ -25,7 +25,7 @@ STACK = (
 
 
 def load(**entries: Any) -> str:
-    """A [[load]] on the beam where no other blocks are given; `start` is its key `from`."""
+    """Return a [[load]] on the beam, unless other blocks are given. start: its key `from`."""
     if "start" in entries:
         entries["from"] = entries.pop("start")
     return scenes.table("[load]", **({"blocks": ["beam"]} | entries))

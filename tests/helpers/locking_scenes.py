@@ -1,4 +1,4 @@
-"""Small structures between held walls, which lock where their joints dilate: a slot, a lifted pad, and random ones."""
+"""Small structures between held walls, which lock by the dilatancy of their joints: a slot, a lifted pad, and random structures."""
 
 import numpy as np
 import scenes
@@ -11,10 +11,10 @@ WALL = 1.0  # m, thickness of the held blocks
 
 
 def slot(height: float = 0.5, depth: float = 0.2) -> tuple[str, ...]:
-    """A block of 1 by 0.5 m on the ground between two held walls of this height, which it touches; depth along y, m.
+    """A block of 1 by 0.5 m on the ground, which touches two held walls. height: of the walls, depth: along y, m.
 
-    Pulled aslant, along (1, 0, 1), out of walls of its own height, it presses one with N = lambda W / sqrt 2 and slides up it:
-    lambda W / sqrt 2 = W + mu N.
+    Pulled obliquely, along (1, 0, 1), out of walls of its own height, the block presses one wall with N = lambda W / sqrt 2 and slides up
+    this wall: lambda W / sqrt 2 = W + mu N.
     """
     ground = _box("ground", (-WALL, -0.2), (1.0 + WALL, 0.0), depth, "fixed")
     walls = _box("left", (-WALL, 0.0), (0.0, height), depth, "fixed"), _box("right", (1.0, 0.0), (1.0 + WALL, height), depth, "fixed")
@@ -22,13 +22,13 @@ def slot(height: float = 0.5, depth: float = 0.2) -> tuple[str, ...]:
 
 
 def lifted_pad() -> tuple[str, ...]:
-    """A block on a pad that moves, between two held walls, which it touches."""
+    """A block on a moving pad, which touches two held walls."""
     walls = (_box(f"wall {x:g}", (x, -0.2), (x + WALL, 0.5), 0.2, "fixed") for x in (-WALL, 1.0))
     return *walls, _box("pad", (0.0, -0.2), (1.0, 0.0), 0.2, "support"), _box("block", (0.0, 0.0), (1.0, 0.5), 0.2)
 
 
 def drawn(random: np.random.Generator) -> tuple[str, Scene]:
-    """Kind and scene of a random structure: one block or two, walls of random height beside it, friction 0.2 to 0.8, any push."""
+    """Draw kind and scene of a random structure: one or two blocks, walls of random height, friction 0.2 to 0.8, a push or a lift."""
     kind = str(random.choice(KINDS))
     width, height = random.uniform(0.5, 1.5), random.uniform(0.3, 0.8)
     depth = random.uniform(0.5, 1.5) if kind == "channel" else 0.2
@@ -58,7 +58,7 @@ def drawn(random: np.random.Generator) -> tuple[str, Scene]:
 
 
 def _wedge(width: float, height: float, leans: np.ndarray) -> list[str]:
-    """A block whose sides lean, between walls that follow them."""
+    """A block with inclined sides, between walls of the same inclination."""
     left, right = (float(lean) for lean in leans)
     return [
         _prism("left", ((-WALL, 0.0), (0.0, 0.0), (left, height), (-WALL, height)), "fixed"),

@@ -16,7 +16,7 @@ Profile = tuple[tuple[float, float], ...]
 
 
 def drawn(random: np.random.Generator) -> tuple[str, Scene]:
-    """Kind and scene of a random structure: friction 0.2 to 0.8, a push to either side, level or up to a quarter down or up."""
+    """Draw kind and scene of a random structure: friction 0.2 to 0.8, a push to either side, level or with a slope of up to a quarter."""
     while True:
         kind = str(random.choice(KINDS))
         push = (float(random.choice((-1.0, 1.0))), 0.0, float(random.choice((0.0, 1.0)) * random.uniform(-0.25, 0.25)))
@@ -53,7 +53,7 @@ def _wedge(random: np.random.Generator) -> list[str]:
 
 
 def _corner(random: np.random.Generator) -> list[str]:
-    """Two blocks one upon the other; corners of them are stones of their own."""
+    """Two blocks, one upon the other. One corner of each block is a separate stone."""
     width, first, second = random.uniform(0.5, 1.2), random.uniform(0.3, 0.7), random.uniform(0.3, 0.7)
     parts = []
     for name, low, height in (("lower", 0.0, first), ("upper", first, second)):
@@ -72,14 +72,14 @@ def _corner(random: np.random.Generator) -> list[str]:
 
 
 def _ordered(cut: Profile, corner: tuple[float, float], square: Profile) -> list[tuple[float, float]]:
-    """Ends of a cut in the order of the square's corners: first the one on the edge that leads to the corner."""
+    """Return the ends of a cut in the order of the square's corners. The end on the edge that leads to the corner comes first."""
     before = square[square.index(corner) - 1]
     on_edge = [point for point in cut if point[0] == before[0] == corner[0] or point[1] == before[1] == corner[1]]
     return [on_edge[0], next(point for point in cut if point != on_edge[0])]
 
 
 def _ledge(random: np.random.Generator) -> list[str]:
-    """A stepped pier with little blocks on its steps, leaning against what rises beside them."""
+    """A stepped pier with a little block on its step, against the upper part, and sometimes a little block on its top."""
     width, height = random.uniform(0.6, 1.2), random.uniform(0.3, 0.6)
     step = random.uniform(0.1, 0.3)
     parts = [
@@ -97,7 +97,7 @@ def _ledge(random: np.random.Generator) -> list[str]:
 
 
 def _filler(random: np.random.Generator) -> list[str]:
-    """Two piers with a lintel; little fillers in the gap that a held wall leaves, or between two courses."""
+    """Two piers with a lintel and little fillers: one between a pier and a held block, or three between the lintel and a beam."""
     width, height, gap = random.uniform(0.3, 0.6), random.uniform(0.5, 1.0), random.uniform(0.03, 0.12)
     span, rise = random.uniform(0.3, 0.8), random.uniform(0.1, 0.3)
     lean = random.uniform(0.0, 0.15)
@@ -110,7 +110,7 @@ def _filler(random: np.random.Generator) -> list[str]:
         _box("lintel", (0.0, height), (2 * width + span, height + rise)),
     ]
     kind = int(random.integers(0, 2))
-    if kind == 0:  # a held rest inside the opening, and a wedge between it and the pier
+    if kind == 0:  # a held block inside the opening, and a wedge between this block and the pier
         parts.append(_prism("rest", ((face - gap + foot, 0.0), (face + 0.1, 0.0), (face + 0.1, side), (face + lean * side, side)), "fixed"))
         parts.append(_prism("filler", ((width, 0.0), (width + foot, 0.0), (width + gap + lean * side, side), (width, side))))
     else:  # little blocks between the lintel and a beam on it
@@ -122,7 +122,7 @@ def _filler(random: np.random.Generator) -> list[str]:
 
 
 def _arch(random: np.random.Generator) -> list[str]:
-    """A flat arch of few voussoirs between two piers, one of them thin; at times a load on it."""
+    """A flat arch of one to three voussoirs between two abutments on piers."""
     width, height, rise = random.uniform(0.3, 0.7), random.uniform(0.3, 0.8), random.uniform(0.15, 0.35)
     count, lean = int(random.integers(1, 4)), random.uniform(0.1, 0.5)
     shares = random.uniform(0.2, 1.0, count)
@@ -145,7 +145,7 @@ def _arch(random: np.random.Generator) -> list[str]:
 
 
 def _rubble(random: np.random.Generator) -> list[str]:
-    """Convex stones of any shape that fill a wall of 2 x 1 m: cells of random points, mirrored at its sides."""
+    """Convex stones of random shapes that fill a wall of 2 x 1 m: Voronoi cells of random points, mirrored at the wall's sides."""
     points = random.random((int(random.integers(4, 12)), 2)) * [2.0, 1.0]
     mirrored = [points * [1, -1], points * [-1, 1], points * [-1, 1] + [4, 0], points * [1, -1] + [0, 2]]
     cells = Voronoi(np.vstack([points, *mirrored]))
@@ -154,7 +154,7 @@ def _rubble(random: np.random.Generator) -> list[str]:
 
 
 def _pinched(random: np.random.Generator) -> list[str]:
-    """A block that holds little stones down, each on a slope that is steeper than friction alone would bear at times."""
+    """A block that holds down little stones on slopes. Some slopes are too steep for friction alone."""
     width, first, second = random.uniform(0.5, 1.2), random.uniform(0.3, 0.7), random.uniform(0.3, 1.0)
     low, parts = [(0.0, 0.0), (width, 0.0)], []
     for x, inward in ((width, -1.0), (0.0, 1.0)):
@@ -170,7 +170,7 @@ def _pinched(random: np.random.Generator) -> list[str]:
 
 
 def _tail(random: np.random.Generator) -> list[str]:
-    """A pier with a bracket that overhangs; what stands on the bracket's tail holds it."""
+    """A pier with an overhanging bracket. A block on the bracket's tail holds the bracket."""
     width, height, thin = random.uniform(0.4, 0.8), random.uniform(0.3, 0.8), random.uniform(0.03, 0.12)
     tail, over = random.uniform(0.1, 0.6) * width, random.uniform(0.05, 1.2)
     out = width + tail * over * random.uniform(0.5, 1.5)

@@ -1,4 +1,4 @@
-"""Made-up campaigns for tests of reports and comparisons: tables of cases that never ran, and a page taken apart."""
+"""Made-up campaigns for tests of reports and comparisons: tables of cases that never ran, and a parsed page."""
 
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -28,7 +28,7 @@ every_shape = pytest.mark.parametrize("shape", SHAPES)
 
 
 def row_of(name: str, scene: str, place: dict[str, Any], axes: list[str]) -> dict[str, Any]:
-    """A case whose reaction falls with friction along one slope below mu = 0.45, along another above, where the mechanism differs."""
+    """Return a case whose reaction falls linearly with friction. Slope and mechanism change at mu = 0.45."""
     friction = place.get(MU, 0.6)
     low = friction < 0.45
     reaction = 1000.0 * (0.5 - (0.3 if low else 0.1) * friction)
@@ -47,7 +47,7 @@ def row_of(name: str, scene: str, place: dict[str, Any], axes: list[str]) -> dic
 
 
 def campaign(folder: Path, shape: str = "one axis", title: str = "A campaign", scene: str = "scene") -> CampaignTable:
-    """A table of synthetic cases whose folders hold a page each."""
+    """Return a table of made-up cases. The folder of each case has a page."""
     ranges = SHAPES[shape]
     axes: dict[str, list[Any]] = {}
     for sweep in ranges:
@@ -68,13 +68,13 @@ def campaign(folder: Path, shape: str = "one axis", title: str = "A campaign", s
 
 
 def changed(table: CampaignTable, place: int, /, **values: Any) -> CampaignTable:
-    """The table with other values in one row."""
+    """Return the table with other values in one row."""
     rows = [row | values if k == place else row for k, row in enumerate(table.rows)]
     return replace(table, rows=rows)
 
 
 def left_out(table: CampaignTable, *places: int, **values: Any) -> CampaignTable:
-    """The table in which some cases, or all, came to nothing but the given values."""
+    """Return the table with some or all cases failed. Failed cases have only the given values."""
     empty = dict.fromkeys(set(result_columns([])) - {"case", "sweep", "scene"}) | {"state": "failed", "reason": "it broke"} | values
     return replace(table, rows=[row | empty if not places or k in places else row for k, row in enumerate(table.rows)])
 

@@ -1,4 +1,4 @@
-"""Comparisons made up for tests of reports, hostile texts among them, and the pages that are written of them."""
+"""Made-up comparisons with hostile texts for tests of reports, and their pages."""
 
 from pathlib import Path
 from typing import Any
@@ -53,13 +53,13 @@ def comparison_of(**changes: Any) -> dict[str, Any]:
 
 
 def values_part(page: str) -> str:
-    """The table of both methods' values of the first scene."""
+    """Return the table of both methods' values of the first scene."""
     part = page[page.index('id="scene-1-values"') :]
     return part[: part.index("</table>")]
 
 
 def frictional_comparison(**changes: Any) -> dict[str, Any]:
-    """A comparison with everything that a scene with sliding joints has."""
+    """Return a comparison with all entries of a scene with sliding joints."""
     comparison = comparison_of(title="A wall", source="", reason="", notes=[], checks=[], **changes)
     comparison["limit_analysis"]["coulomb"] = {
         "status": "solved", "reaction": 366.0, "reaction_interval": [363.3, 371.3], "reaction_sharp": 362.0,

@@ -1,4 +1,4 @@
-"""Measures of shapes: their volume, the faces without a joint, and the reaction that they leave to a support."""
+"""Measures of shapes: volume, area of the faces without a joint, and reaction on a support."""
 
 from itertools import pairwise
 
@@ -10,8 +10,8 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 
-ROUND_OFF = 1e-9  # of a length, an area or a volume
-EXACT = 1e-6  # of the weight: residuals up to 1e-6 of a block's weight are accepted
+ROUND_OFF = 1e-9  # relative, of a length, an area or a volume
+EXACT = 1e-6  # share of the weight: residuals up to 1e-6 of a block's weight are accepted
 DEPTH = 0.4  # m, of walls
 SPREADS = (1.0, 0.0, 0.0)
 
@@ -21,7 +21,7 @@ def free_volume(scene: Scene) -> float:
 
 
 def exposed(scene: Scene) -> float:
-    """Area of the free blocks' faces less that of all joints, m2: every face of a joint belongs to one of them."""
+    """Return the area of the free blocks' faces without joints, m2. A joint covers its area on each free block that it connects."""
     blocks, joints = scene.blocks, find_interfaces(scene.blocks)
     total = 0.0
     for face, block in enumerate(blocks.face_block):
@@ -40,5 +40,5 @@ def reaction(scene: Scene, drive: Drive = Drive.YIELDING) -> float:
 
 
 def upright(area: float, edges: float, depth: float = DEPTH) -> tuple[float, float]:
-    """Volume and exposed surface of a wall with this face and these free edges, its foot aside."""
+    """Return volume and exposed surface of a wall. area: of its face; edges: length of its free edges, without its foot."""
     return area * depth, 2.0 * area + edges * depth

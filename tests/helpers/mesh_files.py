@@ -28,7 +28,7 @@ def corners(low: Sequence[float], high: Sequence[float]) -> Corners:
 
 
 def wall() -> dict[str, tuple[Corners, str]]:
-    """Three courses in running bond on a base in two parts that meet at x = 1.2, and the role of every block."""
+    """Return corners and role of every block: three courses in running bond on a base in two parts that meet at x = 1.2."""
     bodies = {}
     for course in range(3):
         cuts = [0.0, 0.4, 0.8, 1.2, 1.6] if course % 2 == 0 else [0.0, 0.2, 0.6, 1.0, 1.4, 1.6]
@@ -56,7 +56,7 @@ def ply(vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: 
 def binary_ply(
     vertices: Corners, faces: Sequence[Sequence[int]] = BOX_FACES, indices: str = "vertex_indices", order: str = "big", colour: bool = False
 ) -> bytes:
-    """In an order of bytes, "big" or "little"; colour: each vertex and face has one more number before, or after, its own."""
+    """Return a binary PLY file. order: of bytes, "big" or "little"; colour: one more number before each vertex and after each face."""
     code = ">" if order == "big" else "<"
     head = "\n".join([*_ply_head(f"binary_{order}_endian", len(vertices), len(faces), indices), ""])
     rows = [struct.pack(code + "3d", *point) for point in vertices.tolist()]
@@ -76,7 +76,7 @@ def _ply_head(form: str, vertices: int, faces: int, indices: str) -> list[str]:
 
 
 def stl(vertices: Corners, triangles: Sequence[Sequence[int]] = TRIANGLES) -> bytes:
-    """Binary, so in single precision."""
+    """Return a binary STL file, which has single precision."""
     rows = [struct.pack("<12fH", 0.0, 0.0, 0.0, *vertices[list(triangle)].ravel(), 0) for triangle in triangles]
     return b"\0" * 80 + struct.pack("<I", len(rows)) + b"".join(rows)
 
@@ -89,7 +89,7 @@ def compas_mesh(vertices: Corners, keys: Callable[[int], Any] = int) -> dict[str
 
 
 def compas(bodies: dict[str, tuple[Corners, str]]) -> str:
-    """As compas 2 and compas_assembly 0.7 write an assembly."""
+    """Return an assembly as compas 2 and compas_assembly 0.7 write it."""
     node = {}
     for key, (name, (vertices, role)) in enumerate(bodies.items()):
         block = {"dtype": "compas_assembly.datastructures/Block", "data": compas_mesh(vertices), "name": name}
@@ -99,14 +99,14 @@ def compas(bodies: dict[str, tuple[Corners, str]]) -> str:
 
 
 def compas_of_old(bodies: dict[str, tuple[Corners, str]]) -> str:
-    """As compas_assembly 0.1 wrote it: nameless blocks beside a network, corners of faces as texts."""
+    """Return an assembly as compas_assembly 0.1 wrote it: nameless blocks beside a network, corners of faces as texts."""
     marks = {str(key): {"is_support": role != "free"} for key, (_, role) in enumerate(bodies.values())}
     blocks = {str(key): compas_mesh(vertices, str) for key, (vertices, _) in enumerate(bodies.values())}
     return json.dumps({"assembly": {"vertex": marks}, "blocks": blocks})
 
 
 def compas_network(bodies: dict[str, tuple[Corners, str]]) -> str:
-    """As compas_assembly 0.2 wrote it: an assembly that is a network itself, with blocks wrapped twice."""
+    """Return an assembly as compas_assembly 0.2 wrote it: the assembly is itself a network, with blocks wrapped twice."""
     node = {}
     for key, (name, (vertices, role)) in enumerate(bodies.items()):
         inner = {"compas": "0.18.1", "datatype": "compas_assembly.datastructures/Block", "data": compas_mesh(vertices)}
@@ -116,7 +116,7 @@ def compas_network(bodies: dict[str, tuple[Corners, str]]) -> str:
 
 
 def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, transformation: Any = None, modifiers: Any = None) -> str:
-    """As compas_model and compas_dem write a model: named elements by their ids, or in a list of named meshes, beside a graph."""
+    """Return a model as compas_model and compas_dem write it: named elements by id, or a list of named meshes, beside a graph."""
     elements = {}
     for name, (vertices, role) in bodies.items():
         mesh = {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices)} | ({"name": name} if is_list else {})
@@ -135,7 +135,7 @@ def compas_model(bodies: dict[str, tuple[Corners, str]], is_list: bool = False, 
 
 
 def compas_meshes(bodies: dict[str, tuple[Corners, str]]) -> str:
-    """A list of meshes, every second one alone in a list of its own."""
+    """Return a list of meshes. Every second mesh is alone in an inner list."""
     meshes: list[Any] = [
         {"dtype": "compas.datastructures/Mesh", "data": compas_mesh(vertices), "name": name} for name, (vertices, _) in bodies.items()
     ]
@@ -149,7 +149,7 @@ def scene_text(file: str, settlement: Any = scenes.DOWN, gravity: Sequence[float
 
 
 def written(folder: Path, file: str, content: str | bytes, **entries: Any) -> Path:
-    """A scene beside a mesh with that content."""
+    """Write a mesh file with this content, and the scene file beside it. Return the scene's path."""
     path = folder / file
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(content if isinstance(content, bytes) else content.encode())

@@ -1,4 +1,4 @@
-"""Paths that tests make up: reports of progress, and what a test does meanwhile, in the place of minutes of waiting."""
+"""Made-up paths for tests: reports of progress, and a test's actions between them, without minutes of waiting."""
 
 from collections.abc import Callable
 
@@ -16,9 +16,9 @@ def with_reports(
     meanwhile: Callable[[PathProgress], None] = lambda report: None,
     reports: tuple[PathProgress, ...] = REPORTS,
 ) -> list[object]:
-    """Have every prediction report its paths so before it is made; `meanwhile` is called after each report.
+    """Make every prediction first send these reports of its paths. `meanwhile` is called after each report.
 
-    Returns the list of the scenes that were predicted so far.
+    Returns the list of the scenes predicted so far, which grows with every prediction.
     """
     predicted: list[object] = []
     original = one_pass.with_prediction

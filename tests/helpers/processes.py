@@ -1,4 +1,4 @@
-"""Which processes a process started, which signals reach them, and which of their sockets listen, as the kernel says."""
+"""Descendants of a process, the processes that a signal reaches, and listening sockets, from the kernel's tables."""
 
 import os
 import signal
@@ -8,14 +8,14 @@ LISTENS = "0A"  # state of a socket in /proc/net/tcp
 
 
 def tree(root: int) -> set[int]:
-    """A process and all that descend from it."""
+    """Return a process and all its descendants."""
     parents = {}
     for entry in Path("/proc").iterdir():
         try:
             if entry.name.isdigit():
                 parents[int(entry.name)] = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
         except OSError:
-            continue  # it ended just now
+            continue  # the process has just ended
     found = {root}
     while more := {child for child, parent in parents.items() if parent in found} - found:
         found |= more
@@ -23,7 +23,7 @@ def tree(root: int) -> set[int]:
 
 
 def is_gone(process: int) -> bool:
-    """Whether a process has ended; its parent may still have to ask how."""
+    """Return True if a process has ended, even if its parent has not yet waited for it."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
     except OSError:
@@ -31,7 +31,7 @@ def is_gone(process: int) -> bool:
 
 
 def reached(group: int, number: signal.Signals) -> set[int]:
-    """Processes of a group that a signal to it reaches: those that neither block nor ignore it."""
+    """Return the processes of a group that a signal to the group reaches: all that neither block nor ignore the signal."""
     found = set()
     for entry in Path("/proc").iterdir():
         try:
@@ -41,12 +41,12 @@ def reached(group: int, number: signal.Signals) -> set[int]:
                 if not any(mask >> (number - 1) & 1 for mask in deaf):
                     found.add(int(entry.name))
         except OSError:
-            continue  # it ended just now
+            continue  # the process has just ended
     return found
 
 
 def listening(processes: set[int]) -> set[str]:
-    """Sockets that listen, of some processes."""
+    """Return the listening sockets of some processes."""
     held = set()
     for process in processes:
         try:

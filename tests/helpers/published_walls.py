@@ -1,22 +1,22 @@
-"""The six walls of Ferris and Tin-Loi (2001), pushed sideways by a load in proportion to weight: geometry, and values from elsewhere.
+"""The six walls of Ferris and Tin-Loi (2001), pushed sideways by a load in proportion to weight: geometry and multipliers.
 
-Geometry: the authors' GAMS models (MPECLib, frictionalblock); the examples of HybriDFEM (github.com/thlgrs/HybriDFEM) have the same.
-Associated multipliers: an independent linear programme. Published multipliers without dilatancy: walls 1 and 2. The least ones: an
-independent programme with complementarity constraints, the lowest stationary value it found; it searches all states of rigid blocks,
-friction's history apart, so a state that low exists, but elastic joints need not reach it.
+The geometry is that of the authors' GAMS models (MPECLib, frictionalblock); the examples of HybriDFEM (github.com/thlgrs/HybriDFEM) have
+the same geometry. The associated multipliers are those of an independent linear programme. Multipliers without dilatancy are published for
+walls 1 and 2. The least multipliers are the lowest stationary values that an independent programme with complementarity constraints found.
+It searches all states of rigid blocks, whatever friction's history: such a state exists, but elastic joints need not reach it.
 """
 
 from typing import Any
 
 import numpy as np
 
-LENGTH, HEIGHT, DEPTH = 0.4, 0.175, 0.3  # m, of a whole block; any depth
+LENGTH, HEIGHT, DEPTH = 0.4, 0.175, 0.3  # m, of a whole block; the depth is arbitrary
 ASSOCIATED = {1: 0.64286, 2: 0.58000, 3: 0.40369, 4: 0.33195, 5: 0.23964, 6: 0.347825}
 COULOMB = {1: 0.63982, 2: 0.56260}
 LEAST_FOUND = {1: 0.63898, 2: 0.55741, 3: 0.35582, 4: 0.26374, 5: 0.20863}
 BLOCKS = {1: 33, 2: 55, 3: 46, 4: 55, 5: 61, 6: 146}
 
-# Courses, bottom first, in lengths of a block; negative is a gap. E even, U uneven; W with windows.
+# Blocks of a course from left to right, in lengths of a block; a negative length is a gap. E: even, U: uneven course; W: with windows.
 Course = tuple[float, ...]
 WIDE: dict[str, Course] = {"E": (0.5, 1, 1, 1, 1, 0.5), "U": (1,) * 5}
 KINDS: dict[int, dict[str, Course]] = {
@@ -44,12 +44,12 @@ STACKS = {
 
 
 def courses(number: int) -> list[Course]:
-    """The courses of a wall, bottom first."""
+    """Return the courses of a wall, bottom first."""
     return [KINDS[number][kind] for kind in STACKS[number].split()]
 
 
 def tables(number: int, inset: float = 0.0, **effects: Any) -> dict[str, Any]:
-    """The tables of the scene of a wall. inset: m, 0 as published. effects: keys of [effects]."""
+    """Return the tables of the scene of a wall. inset: m, 0 as published. effects: keys of [effects]."""
     blocks: list[dict[str, Any]] = []
     breadth = LENGTH * sum(map(abs, courses(number)[0]))
     for row, course in enumerate(courses(number)):
@@ -64,5 +64,5 @@ def tables(number: int, inset: float = 0.0, **effects: Any) -> dict[str, Any]:
 
 
 def rounded(point: tuple[float, ...]) -> list[float]:
-    """Coordinates without the round-off of their sums, so that blocks touch."""
+    """Return coordinates without the round-off of their sums, so that blocks touch."""
     return [round(float(value), 9) for value in point]

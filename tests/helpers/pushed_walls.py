@@ -1,4 +1,4 @@
-"""Walls of random blocks that are pushed sideways, and the peak of their multiplier on a path with next to no drag."""
+"""Walls of random blocks that are pushed sideways, and the peak of their multiplier on a path of almost no drag."""
 
 import itertools
 import time
@@ -21,7 +21,7 @@ ALONG, OBLIQUE = (1.0, 0.0, 0.0), (1.0, 0.5, 0.0)
 
 
 def pushed_wall(seed: int, live: tuple[float, float, float]) -> LimitAnalysis:
-    """Courses of blocks of random lengths and densities on a fixed base, pushed sideways."""
+    """Analyse courses of blocks of random lengths and densities on a fixed base, pushed sideways."""
     rng = np.random.default_rng(seed)
     height = rng.uniform(0.2, 1.1)
     parts = [scenes.box("ground", (-0.2, 0.0, -0.3), (2.2, 0.5, 0.0), "fixed")]
@@ -34,7 +34,7 @@ def pushed_wall(seed: int, live: tuple[float, float, float]) -> LimitAnalysis:
 
 
 def peak_without_drag(analysis: LimitAnalysis) -> float:
-    """Peak of a path with a ten-thousandth of the usual viscosity, in steps of a tenth of the usual length."""
+    """Return the peak of a path with a ten-thousandth of the usual viscosity, in steps of a tenth of the usual length."""
     joints, tangent, rest, level, end = _at_rest(analysis)
     path = QuasiStaticPath(joints, tangent, rest, annealed(joints, 1e-7), 10.0)
     assert [point.progress for point in path.advance_to(end)][-1] == end
@@ -42,14 +42,14 @@ def peak_without_drag(analysis: LimitAnalysis) -> float:
 
 
 def seconds_of_peak(analysis: LimitAnalysis) -> float:
-    """Time in which both paths to the peak of an analysis are followed again, s."""
+    """Follow both paths to the peak of an analysis again, and return the time, s."""
     start = time.perf_counter()
     peak_on_the_way(*_at_rest(analysis), PredictionSettings(), [lambda *point: None] * len(PEAK_PATHS))
     return time.perf_counter() - start
 
 
 def _at_rest(analysis: LimitAnalysis) -> tuple[ElasticJoints, Tangent, State, float, float]:
-    """Joints, tangent and state at rest; the plateau, scaled, and the progress at the end of the prediction's path."""
+    """Return joints, tangent and state at rest, the scaled plateau, and the progress at the end of the prediction's path."""
     coulomb = analysis.coulomb
     assert coulomb is not None
     joints = ElasticJoints(analysis.assembly, analysis.stiffness)

@@ -13,18 +13,18 @@ from la_core.errors import SceneError
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 
-MOST = 1.5  # of the weight of the mean block: a load, or the tension of a tie
-SMALLEST = 1e-6  # of the same
+MOST = 1.5  # largest load, or tension of a tie, over the weight of the mean block
+SMALLEST = 1e-6  # smallest load, or tension of a tie, over the weight of the mean block
 
 
 @dataclass(frozen=True)
 class Loading:
-    """Tables of loads, ties and joints as keys and values, for a scene without them.
+    """A scene, and tables of loads, ties and classes of joints for it, as keys and values.
 
     Attributes
     ----------
     scene : Scene
-        The scene without them.
+        The scene without the tables.
     forces, masses, ties, classes : tuple of dict
         Tables of [[load]] with a force, [[load]] with a mass, [[tie]] and [[friction]].
     """
@@ -36,7 +36,7 @@ class Loading:
     classes: tuple[dict[str, Any], ...] = ()
 
     def loaded(self, scale: float = 1.0, **changed: Any) -> Scene:
-        """The scene with its loads; weights and loads times `scale`, some tables changed."""
+        """Return the scene with its tables. scale: factor on weights and loads; changed: other tables, by field."""
         one = replace(self, **changed)
         tables = [scenes.table("[load]", **{**load, "force": [scale * part for part in load["force"]]}) for load in one.forces]
         tables += [scenes.table("[load]", **{**load, "mass": scale * load["mass"]}) for load in one.masses]
@@ -48,7 +48,7 @@ class Loading:
 
 @st.composite
 def loadings(draw: st.DrawFn, settles: bool | None = None, ties: int = 2) -> Loading:
-    """A random structure with up to three loads of each kind, up to `ties` ties (at least one where it is 1), and some classes."""
+    """Draw a random structure with up to three loads of each kind, up to `ties` ties (exactly one for 1), and classes of joints."""
     scene = draw(random_scenes(settles=settles))
     plane, blocks = bool(scene.effects.plane), scene.blocks
     free = np.flatnonzero(blocks.free)

@@ -1,4 +1,4 @@
-"""Strategies for small random structures of 2 to 15 free blocks; many of them cannot stand, and that is part of it."""
+"""Strategies for small random structures of 2 to 15 free blocks. Many of them cannot stand, on purpose."""
 
 import itertools
 from dataclasses import dataclass, replace
@@ -16,16 +16,16 @@ from la_core.scene.scene import Scene
 SPECIAL_FRICTION = (0.0, 1e-6, 5.0)
 GREATEST_FRICTION = 1.5
 DENSITY, DENSITY_RATIO = 2000.0, 1e3
-DEPTH = 0.5  # m, along y, of all that is drawn in the xz plane
-NARROWEST = 0.1  # of the base: each of its parts
+DEPTH = 0.5  # m, along y, of all structures drawn in the xz plane
+NARROWEST = 0.1  # least distance of a division of the base from its ends, over its length
 MOST_STONES, SEEDS = 15, 10**6
-SHORTEST_EDGE = 4e-4  # m, of a stone: a polyhedron does not tell corners nearer than 1e-4 of its size apart, a prism does
+SHORTEST_EDGE = 4e-4  # m, of a stone: a polyhedron merges corners nearer than 1e-4 of its size, a prism does not
 MOST_TILT = 0.5  # rad, of gravity
 
 
 @dataclass(frozen=True)
 class Structure:
-    """Tables of a scene's blocks; `bases` are those with a role of their own, the only ones that may settle."""
+    """Tables of a scene's blocks. plane: True if the structure can be modelled in the plane."""
 
     parts: tuple[str, ...]
     plane: bool
@@ -33,14 +33,14 @@ class Structure:
 
 @st.composite
 def structures(draw: st.DrawFn, settles: bool) -> Structure:
-    """Any of the kinds; part of its base is a support where it `settles`."""
+    """Draw a structure of any kind. If it `settles`, a part of its base is a support."""
     kind = draw(st.sampled_from([_wall, _pile, _posts, _arch, _rubble, _crossed_pile]))
     return draw(kind(settles))
 
 
 @st.composite
 def random_scenes(draw: st.DrawFn, settles: bool | None = None) -> Scene:
-    """A scene whose support settles or turns, or with a live load where `settles` is False or drawn so; all else is drawn too."""
+    """Draw a scene with a support that settles or turns (`settles` True) or with a live load (False); None draws one of both."""
     if settles is None:
         settles = draw(st.integers(0, 3)) > 0
     structure = draw(structures(settles))
@@ -61,24 +61,24 @@ def random_scenes(draw: st.DrawFn, settles: bool | None = None) -> Scene:
 
 
 def frictions() -> st.SearchStrategy[float]:
-    """Coefficients of friction, from none to that of teeth."""
+    """Coefficients of friction: 0 to GREATEST_FRICTION, often 0.3 to 0.9, and SPECIAL_FRICTION."""
     return st.floats(0.0, GREATEST_FRICTION) | st.floats(0.3, 0.9) | st.sampled_from(SPECIAL_FRICTION)
 
 
 def with_densities(scene: Scene, seed: int) -> Scene:
-    """The scene with its blocks' densities drawn over a ratio of 1 : 1000."""
+    """Return the scene with densities of its blocks drawn over a ratio of 1 : 1000."""
     drawn = DENSITY * DENSITY_RATIO ** np.random.default_rng(seed).uniform(-0.5, 0.5, len(scene.blocks))
     return rewritten(replace(scene, blocks=replace(scene.blocks, density=drawn)))
 
 
 def rewritten(scene: Scene, *more: str) -> Scene:
-    """The scene read again from a text of its own, with `more` tables."""
+    """Return the scene, written as text with `more` tables and read again."""
     text = scenes.moved(scene, plane=bool(scene.effects.plane)).text
     return scenes.load("\n".join([text, *more]))
 
 
 def far_away(scene: Scene) -> Scene:
-    """The scene with two fixed blocks, one on the other, a hundred lengths away."""
+    """Return the scene with two more fixed blocks, one on the other, a hundred lengths away."""
     low, high = scene.blocks.low.min(axis=0), scene.blocks.high.max(axis=0)
     size = (high - low).max()
     start = high[0] + 100.0 * size
@@ -101,7 +101,7 @@ def _directions(draw: st.DrawFn, plane: bool, likely: tuple[float, float, float]
 
 @st.composite
 def _base(draw: st.DrawFn, length: float, depth: tuple[float, float], settles: bool) -> tuple[str, ...]:
-    """A base from x = 0 to `length` with its top at z = 0, of which some part settles; its parts meet in planes across x."""
+    """A base from x = 0 to `length` with its top at z = 0. If it `settles`, one part is a support; the parts meet in planes across x."""
     if not settles:
         return (scenes.box("base", (0.0, depth[0], -0.2), (length, depth[1], 0.0), "fixed"),)
     left = draw(st.floats(NARROWEST, 1.0 - NARROWEST))
@@ -118,7 +118,7 @@ def _base(draw: st.DrawFn, length: float, depth: tuple[float, float], settles: b
 
 @st.composite
 def _wall(draw: st.DrawFn, settles: bool) -> Structure:
-    """A wall in running or stack bond, at times with an opening."""
+    """A wall in running or stack bond, sometimes with an opening."""
     per_course, courses = draw(st.integers(2, 4)), draw(st.integers(1, 3))
     size = (draw(st.floats(0.2, 1.0)), DEPTH, draw(st.floats(0.1, 0.5)))
     bond = draw(st.sampled_from(["running", "stack"]))
@@ -133,7 +133,7 @@ def _wall(draw: st.DrawFn, settles: bool) -> Structure:
 
 @st.composite
 def _column(draw: st.DrawFn, name: str, x: float, heights: list[float], most: float) -> tuple[str, ...]:
-    """Boxes one upon the other about x, each of at most half of `most` width off the one below."""
+    """Boxes one upon the other about x. Their widths are 0.3 to 0.6 of `most`, their distances from x at most 0.2 of `most`."""
     parts, z = [], 0.0
     for k, height in enumerate(heights):
         middle, width = x + most * draw(st.floats(-0.2, 0.2)), most * draw(st.floats(0.3, 0.6))
@@ -168,14 +168,14 @@ def _posts(draw: st.DrawFn, settles: bool) -> Structure:
 
 @st.composite
 def _arch(draw: st.DrawFn, settles: bool) -> Structure:
-    """A semicircular arch, too thin to stand at times."""
+    """A semicircular arch, sometimes too thin to stand."""
     right = "support" if settles else "fixed"
     return Structure((scenes.arch(draw(st.integers(3, 13)), draw(st.floats(0.05, 0.5)), depth=DEPTH, right=right),), plane=True)
 
 
 @st.composite
 def _rubble(draw: st.DrawFn, settles: bool) -> Structure:
-    """Convex stones that fill a wall of 2 x 1 m: cells of random points, mirrored at the wall's sides."""
+    """Convex stones that fill a wall of 2 x 1 m: Voronoi cells of random points, mirrored at the wall's sides."""
     stones = draw(st.integers(2, MOST_STONES))
     points = np.random.default_rng(draw(st.integers(0, SEEDS))).random((stones, 2)) * [2.0, 1.0]
     mirrored = [points * [1, -1], points * [-1, 1], points * [-1, 1] + [4, 0], points * [1, -1] + [0, 2]]

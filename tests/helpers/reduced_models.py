@@ -1,4 +1,4 @@
-"""What tests of effects share: an arch, a scene with another law of friction, and how alike two solves are."""
+"""Helpers for tests of effects: an arch, a scene with another law of friction, and the tolerance between two solves."""
 
 import dataclasses
 
@@ -6,7 +6,7 @@ import scenes
 
 from la_core.scene.scene import Scene
 
-SOLVER = 1e-6  # of the reaction: what two solves of one problem may differ by
+SOLVER = 1e-6  # share of the reaction: largest difference of two solves of one problem
 
 
 def arch(friction: float, **options) -> Scene:

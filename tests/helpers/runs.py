@@ -1,4 +1,4 @@
-"""Results made up for tests: runs of YADE, where what a test does not give is undefined or empty, and changed limit analyses."""
+"""Made-up results for tests: runs of YADE, whose missing values are undefined or empty, and changed limit analyses."""
 
 import dataclasses
 import json
@@ -25,9 +25,9 @@ def made_up_run(
     poses: Mapping[str, np.ndarray] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> Run:
-    """A run of these values by their names in run.h5; other numbers are NaN, other series and states empty. No block jumps by default.
+    """Return a run of these values by their names in run.h5. Other numbers are NaN; other series and states are empty. No block jumps.
 
-    Tests may change its arrays in place, which no user can.
+    Tests may change its arrays in place; arrays of real runs are read-only.
     """
 
     def filled(kind: Any, given: Mapping[str, Any] | None, other: Any) -> Any:
@@ -44,12 +44,12 @@ def made_up_run(
 
 
 def with_answers(analysis: LimitAnalysis, **changes: Any) -> LimitAnalysis:
-    """The analysis with other answers, or another assembly, at the shared inset."""
+    """Return the analysis with other answers, or another assembly, at the shared inset."""
     return dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, **changes))
 
 
 def perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
-    """The run of a YADE that follows limit analysis to the digit."""
+    """Return a run that equals limit analysis in every digit: reaction, mechanism and forces of the least reaction."""
     least = analysis.bounds[Drive.YIELDING]
     settlement = np.linspace(0.0, TRAVEL, 5)
     scalars = {
@@ -67,7 +67,7 @@ def perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
 
 
 def coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object) -> Run:
-    """The run of a YADE that follows the Coulomb prediction, its reaction scattered by this share of it."""
+    """Return a run that follows the Coulomb prediction. scatter: root mean square scatter of its reaction, over the reaction."""
     assert analysis.coulomb is not None
     coulomb = analysis.coulomb
     stand_in = dataclasses.replace(analysis.bounds[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
@@ -79,7 +79,7 @@ def coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object)
 
 
 def write_run(path: Path, run: Run, inputs: str) -> None:
-    """Write a run as YADE's process would; series and settings that it does not have are 0."""
+    """Write a run as YADE's process does. Missing series and settings are 0."""
     count = len(run.record.settlement)
     shapes = {field.name: (count, 6) if field.name == "support_wrench" else (count,) for field in dataclasses.fields(RunSeries)}
     series = {name: value if len(value := getattr(run.record, name)) else np.zeros(shape) for name, shape in shapes.items()}

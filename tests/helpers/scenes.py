@@ -1,6 +1,6 @@
-"""Scenes for the tests, built as the TOML text a user would have typed, and moved copies of them.
+"""Scenes for the tests, built from the TOML text that a user would write, and moved copies of them.
 
-Nothing here calls a solver; inset is 0 unless asked for, because closed forms hold for sharp edges.
+No function here calls a solver. The inset is 0 unless given, because closed forms hold for sharp edges.
 """
 
 import json
@@ -22,12 +22,12 @@ ROLE_NAMES = {number: name for name, number in ROLES.items()}
 
 
 def shipped(name: str) -> Scene:
-    """A scene the project ships."""
+    """Load a shipped scene."""
     return load_scene(SHIPPED / f"{name}.toml")
 
 
 def inline(value: Any) -> str:
-    """A value as TOML: arrays, inline tables, strings, numbers and booleans."""
+    """Return a value as TOML: arrays, inline tables, strings, numbers and booleans."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {inline(item)}" for key, item in value.items()) + " }"
     if isinstance(value, str | bool):
@@ -65,7 +65,7 @@ def text(
     effects: dict[str, Any] | None = None,
     reach: bool | str = "auto",
 ) -> str:
-    """A whole scene file; `live` or `tilt` replaces `settlement`, which is a direction or a table; `effects` adds to plane and model."""
+    """A whole scene file. `live` or `tilt` replaces `settlement`, a direction or a table. `effects` adds to plane, model and reach."""
     lines = [f"gravity = {inline(gravity)}", table("stone", density=density), table("joint", friction=friction, inset=inset), *parts]
     lines.append(table("effects", **({"plane": plane, "friction": model, "reach": reach} | (effects or {}))))
     if live is not None:
@@ -156,9 +156,9 @@ def moved(
     order: Sequence[int] | None = None,
     plane: bool | str = "auto",
 ) -> Scene:
-    """The scene with x -> scale * turn @ x + shift, gravity and motion turned with it, densities times `density`, blocks in `order`.
+    """Return the scene with x -> scale * turn @ x + shift, turned gravity and motion, densities times `density`, and blocks in `order`.
 
-    `turn` may mirror. Blocks become polyhedra, so that nothing of the original's axes is left.
+    `turn` may mirror. Blocks become polyhedra, so that they do not keep the axes of the original.
     """
     turn = np.eye(3) if turn is None else turn
     blocks, parts = scene.blocks, []
@@ -189,6 +189,6 @@ def moved(
 
 
 def joints(scene: Scene) -> list[tuple[str, str]]:
-    """Pairs of blocks with a joint that counts."""
+    """Return the pairs of blocks with a joint in the structural model."""
     found = structural_model(scene).assembly.interfaces
     return sorted((scene.blocks.names[a], scene.blocks.names[b]) for a, b in zip(found.block_a, found.block_b, strict=True))

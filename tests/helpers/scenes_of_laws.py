@@ -1,4 +1,4 @@
-"""Scenes that laws of the associated problem are held against, their solutions, and tolerances."""
+"""Scenes for tests of the laws of the associated problem, their solutions, and tolerances."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
 ROUND_OFF = 1e-7  # relative: solver tolerance 1e-9 on two differently conditioned copies of one problem
-INDEPENDENT = 1e-6  # of the weight: HiGHS' own feasibility tolerance is 1e-7 of a force scaled to one
+INDEPENDENT = 1e-6  # share of the weight: HiGHS' own feasibility tolerance is 1e-7 of a force scaled to one
 
 WALL = scenes.text(*scenes.wall(5, 6, split=1.2))
 ARCH = scenes.text(scenes.arch(11, 0.15), settlement=(1.0, 0.0, -1.0), friction=0.7)
@@ -36,7 +36,7 @@ def solutions(model: Scene | Assembly) -> Iterator[tuple[Assembly, Drive, Soluti
 
 
 def values(model: Scene | Assembly) -> list[float]:
-    """Least and greatest reaction over the weight (a moment also over the structure's size), or the multiplier."""
+    """Return the least and greatest reaction over the weight (a moment also over the structure's size), or the multiplier."""
 
     def unit(assembly: Assembly) -> float:
         size = float(np.cbrt(assembly.blocks.volume.sum())) if np.any(assembly.support_twist[:, 3:]) else 1.0

@@ -1,4 +1,4 @@
-"""A structure of six irregular blocks on a turning support: its prediction changes three times as much with the inset as its bound."""
+"""A structure of six irregular blocks on a turning support. The inset changes its prediction three times as much as its bound."""
 
 SLIDING = """
 accuracy = 0.01

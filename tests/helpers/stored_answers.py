@@ -1,4 +1,4 @@
-"""What tests of stored answers share: a scene solved and run, the state of a folder, another scene of one name."""
+"""Helpers for tests of stored answers: a scene solved and run, the state of a folder, another scene of the same name."""
 
 import json
 from pathlib import Path
@@ -13,7 +13,7 @@ from la_core.scene import shipped
 
 
 def solve(out: Path, capsys: pytest.CaptureFixture[str], scene: str = "two_pads", *options: str) -> dict[str, Any]:
-    """What `crosscheck solve --json` prints of a scene."""
+    """Return the output of `crosscheck solve --json` for a scene."""
     capsys.readouterr()
     assert main(["solve", scene, "--json", "--results", str(out), *options]) == AGREE
     return dict(json.loads(capsys.readouterr().out))
@@ -24,13 +24,13 @@ def run(out: Path, scene: str = "two_pads") -> None:
 
 
 def state(folder: Path) -> dict[str, tuple[int, bytes]]:
-    """When every file below a folder was changed, and what it holds; the lock aside, which holds nothing."""
+    """Return the time of change, ns, and the content of every file below a folder, except the lock, which is empty."""
     files = [path for path in folder.rglob("*") if path.is_file() and path.name != LOCK]
     return {str(path.relative_to(folder)): (path.stat().st_mtime_ns, path.read_bytes()) for path in files}
 
 
 def lighter(folder: Path) -> Path:
-    """A file of another scene that is named "two_pads", too."""
+    """Write the file of another scene with the same name, "two_pads"."""
     path = folder / "elsewhere" / "two_pads.toml"
     path.parent.mkdir(exist_ok=True)
     path.write_text(shipped.find("two_pads").read_text().replace("density = 2200.0", "density = 1100.0"))

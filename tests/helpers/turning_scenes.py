@@ -1,4 +1,4 @@
-"""Scenes whose turning blocks release a thrust, and what YADE comes to over its whole travel."""
+"""Scenes whose turning blocks release a thrust, and YADE's reactions after its whole travel."""
 
 import pytest
 from verdict_scenes import FRESH_SEED, SEED, drawn

@@ -16,7 +16,7 @@ WALL = {  # mm; a base and six bricks with 10 mm joints
 
 
 def rows(*pairs: tuple[int, object]) -> str:
-    """Group codes and values of a DXF file."""
+    """Return group codes and values as text of a DXF file."""
     return "".join(f"{code}\n{value}\n" for code, value in pairs)
 
 
@@ -52,14 +52,14 @@ def insert(
     scale: Sequence[float] = (1.0, 1.0),
     turn: float = 0.0,
 ) -> str:
-    """An INSERT, repeated along x; scale: along its own x and y, turn: degrees."""
+    """An INSERT, repeated along x. scale: along its own x and y; turn: degrees."""
     many = [(70, columns), (44, spacing)] if columns > 1 else []
     many += [(41, scale[0]), (42, scale[1]), (50, turn)] if (*scale, turn) != (1.0, 1.0, 0.0) else []
     return rows(*begun("INSERT", layer), (100, "AcDbBlockReference"), (2, name), (10, at[0]), (20, at[1]), *many)
 
 
 def dxf(entities: Iterable[str], unit: int | None = 4, blocks: dict[str, str] | None = None) -> bytes:
-    """A DXF file of entities, with blocks by name; unit as $INSUNITS counts, None for a file that does not say it."""
+    """Return a DXF file of entities, with blocks by name. unit: code of $INSUNITS, None for a file without it."""
     header = rows((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1015"), *([] if unit is None else [(9, "$INSUNITS"), (70, unit)]))
     text = header + rows((0, "ENDSEC"))
     if blocks:
@@ -76,7 +76,7 @@ def dxf(entities: Iterable[str], unit: int | None = 4, blocks: dict[str, str] | 
 
 
 def wall_dxf() -> bytes:
-    """The wall: polylines, one brick of lines, one in a block, one drawn twice."""
+    """Return the wall as DXF: polylines, one brick of lines, one brick as a block, one brick drawn twice."""
     entities = [polyline(outline, layer) for layer in ("GROUND", "SETTLING") for outline in WALL[layer]]
     first, second, third, *others = WALL["BRICKS"]
     entities += [lines(first, "BRICKS"), insert("BRICK", second[0], "BRICKS"), polyline(third, "BRICKS"), polyline(third, "BRICKS")]
@@ -85,7 +85,7 @@ def wall_dxf() -> bytes:
 
 
 def wall_svg() -> bytes:
-    """The same wall on a page of 3 m, moved by a group."""
+    """Return the same wall as SVG, on a page of 3 m, moved by a group."""
     groups = []
     for layer, outlines in WALL.items():
         paths = "".join(f'<path fill="red" d="M {" L ".join(f"{x},{-z}" for x, z in outline)} Z"/>' for outline in outlines)

@@ -1,4 +1,4 @@
-"""What decides in `yade_scripts`, loaded where there is no YADE: an empty stand-in has its place while the modules load."""
+"""Loads modules of `yade_scripts` without YADE: an empty stand-in replaces YADE while the modules load."""
 
 import importlib
 import sys
@@ -18,7 +18,7 @@ class StandIn(ModuleType):
 
 
 def without_yade(name: str) -> Any:
-    """Return the module `name` of `yade_scripts`; nothing of the stand-in stays behind in `sys.modules`."""
+    """Return the module `name` of `yade_scripts`. The stand-in does not stay in `sys.modules`."""
     sys.modules |= {one: StandIn(one) for one in YADE}
     try:
         return importlib.import_module(f"yade_scripts.{name}")
