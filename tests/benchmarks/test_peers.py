@@ -115,7 +115,7 @@ def test_an_equilibrium_by_compas_cra_is_one_by_our_judge_and_lies_between_our_b
     *_, forces, _, _ = peers_equilibrium.equilibrium(assembly, "compas_cra RBE")
     assert peers_equilibrium.residual(assembly, forces) <= ACCEPTED
     least, greatest = (solve_associated(assembly, drive).value for drive in (Drive.YIELDING, Drive.PUSHING))
-    assert least < peers_limit.limit.evidence.reaction(assembly, forces) < greatest
+    assert least < peers_limit.residuals.reaction(assembly, forces) < greatest
 
 
 def spins() -> Iterator[int]:
