@@ -38,9 +38,10 @@ WALL = "wall_third"  # the scene whose cost is compared between accuracies
 INTRODUCTION = (
     "# What a requested accuracy costs, and whether it is kept",
     "",
-    "Every row is one run of `crosscheck run SCENE --accuracy SHARE`: of a settlement, whose answer is the reaction, or of a live load,",
-    "whose answer is the multiplier. *error* is the difference from the scene's exact or published value, where one exists; *estimated*",
-    "is each method's own estimate of its error and must not exceed *asked*, the requested accuracy. *s* is each method's time in seconds.",
+    "Every row is one run of `crosscheck run SCENE --accuracy SHARE`. Its answer is the reaction where a support settles, and the",
+    "multiplier under a live load. *asked* is the requested accuracy. *error* is the difference from the scene's exact or published value,",
+    "where one exists. *estimated* is each method's own estimate of its error, which must not exceed *asked*. *s* is each method's time in",
+    "seconds.",
     "",
     "`python tests/benchmarks/benchmark_accuracy.py -o comparison/gallery/accuracy.md`",
     "",

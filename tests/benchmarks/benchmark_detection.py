@@ -52,18 +52,19 @@ HEAD = f"""# Which mistakes does a verdict notice?
 
 A judge that always agrees would pass every test in which both methods are right. Here one of them is wrong. Limit analysis answers a random
 scene, and YADE runs the same scene with one mistake; then YADE runs the right scene, and limit analysis has the mistake. The judge
-compares the two as if there were no mistake. The table counts verdicts by how much the mistake changes the reaction, which the two
-predictions of limit analysis say. A mistake that changes less than 0.5 % is within the tolerance.
+compares the two as if there were no mistake. The table counts verdicts by the change of the reaction that the mistake causes: the
+difference of the predictions of limit analysis with and without the mistake. A mistake that changes the reaction by less than 0.5 % is
+within the tolerance.
 
 Written by `python tests/benchmarks/benchmark_detection.py` from {SCENES} random scenes of seed {SEED} (the scenes of
 [verdicts.md](verdicts.md) with another seed). Scenes, seed and mistakes in the model were fixed before the first run, and no rule of the
-judge follows from them. Where a mistake concerns one block or joint, that is drawn at random. The wrong predictions stand for a wrong
-method: the value alone is wrong.
+judge follows from them. Where a mistake concerns one block or joint, this block or joint is drawn at random. A prediction that is too
+large imitates a mistake in the method, not in the model: its value alone is changed.
 """
-LEGEND = """*Disagree* or *inconclusive*: the mistake is noticed. *Refused*: the two structures have other numbers of contact points,
-and the judge does not compare them. Changes count over the reaction, or over 1 % of the weight where that is more. Cases in which limit
-analysis does not know the change to 1 % of the reaction are left out. A check of YADE's own state is *inconclusive* because it cannot
-tell a wrong model from a restless run: under the loads of the other structure YADE's forces are not in balance.
+LEGEND = """*Disagree* or *inconclusive*: the mistake is noticed. *Refused*: the two structures have different numbers of contact
+points, and the judge does not compare them. Changes are shares of the reaction, or of 1 % of the weight where that is more. Cases in which
+limit analysis does not know the change to 1 % of the reaction are left out. Under the loads of the other structure YADE's forces are not in
+balance. The check of YADE's own state is then *inconclusive*, because blocks that are not at rest have the same effect as a wrong model.
 """
 
 
@@ -173,8 +174,8 @@ def page(entries: list[Entry]) -> str:
     none = Counter(str(entry["verdict"]) for entry in plain)
     found = [
         f"- Without a mistake: {', '.join(f'{count} {verdict}' for verdict, count in none.most_common())}.",
-        f"- {len(wrong)} pairs of a right and a wrong method, of {pairs}, have a change that limit analysis knows.",
-        f"- Of the {len(large)} that change the reaction by 2 % or more, {len(large) - by_both['agree']} are noticed "
+        f"- Limit analysis knows the change for {len(wrong)} of {pairs} pairs of a right and a wrong method.",
+        f"- Of the {len(large)} pairs whose mistake changes the reaction by 2 % or more, {len(large) - by_both['agree']} are noticed "
         f"({', '.join(f'{count} {verdict}' for verdict, count in by_both.most_common())}).",
         *(f"- The first check that says *{verdict}*, with the number of pairs: {names}." for verdict, names in checks.items()),
     ]

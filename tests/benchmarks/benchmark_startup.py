@@ -74,15 +74,15 @@ courses = {courses}
 footing = {{ height = 0.3, settling = [{split}, {end}] }}
 """
 INTRODUCTION = """\
-A small scene is solved in milliseconds, so that its command takes as long as its start. The first table has the processor seconds (user and
-system) of whole processes, each the least of several, with the sources compiled as an installed program has them. *YADE* is the part of its
-process. *By the clock* are the seconds that a user waits.
+A small scene is solved in milliseconds, so its command takes hardly longer than the start of the program. The first table has the processor
+seconds (user and system) of whole processes, each the least of several runs. The sources are compiled, as in an installed program. *of it
+YADE* is the part of YADE's own process. *by the clock* is the time that a user waits.
 
 The second table has the stages of `crosscheck solve` on walls in running bond whose right third settles: *loading* is the start of Python
-and of the program, *solver* is set-up and solution of cone programmes and the steps of the paths, *reports* is what a path tells of its
-progress, *evidence* is the certificate of an answer, *rest* is everything else.
+and of the program, *solver* is set-up and solution of cone programmes and the steps of the paths, *evidence* is the certificate of an
+answer, *reports* are the reports of a path on its progress, *rest* is everything else.
 
-A busy machine takes more seconds than a quiet one. Two versions are therefore timed in turn, and their ratio is what counts."""
+A busy machine takes more seconds than a quiet one. Two versions are therefore timed in turn, and only their ratio counts."""
 STAGES = ("loading", "reading", "contacts", "model", SOLVER, "evidence", "reports", "writing", "tables", "rest")
 
 
@@ -176,7 +176,7 @@ def conclusions(record: dict[str, Any]) -> str:
     libraries, yade = rows[NEEDED]["now"]["seconds"], rows[RUNS]["now"]["yade"]
     lines = [
         f"`{SOLVES}` takes {solve:.2f} s, {'within' if solve <= SOLVE else 'above'} the aim of {SOLVE:g} s; "
-        f"{libraries:.2f} s of them, {libraries / solve:.0%}, are Python and the libraries it needs, before a line of this program runs.",
+        f"{libraries:.2f} s of them, {libraries / solve:.0%}, pass while Python and libraries load, before a line of this program runs.",
         f"`{RUNS}` takes {run:.2f} s, {'within' if run <= RUN else 'above'} the aim of {RUN:g} s; {yade:.2f} s of them are in YADE, "
         f"which takes {alone:.2f} s to start. The rest, {run - yade:.2f} s, is this program and the libraries that draw its figures. "
         + (f"By the clock it takes {clock:.2f} s: these libraries are loaded while YADE starts." if clock < run else ""),
@@ -186,7 +186,7 @@ def conclusions(record: dict[str, Any]) -> str:
         ratios = ", ".join(f"{rows[name]['now']['seconds'] / rows[name]['before']['seconds']:.2f} for `{name}`" for name in names)
         by_clock = rows[RUNS]["now"]["clock"] / rows[RUNS]["before"]["clock"]
         lines.append(
-            f"In the same run, the time over that of the version before is {ratios}, and by the clock {by_clock:.2f} for `{RUNS}`."
+            f"In the same run, the ratio to the time of the version before is {ratios}, and by the clock {by_clock:.2f} for `{RUNS}`."
         )
     for row in record["stages"]:
         if row["blocks"] >= FROM_BLOCKS:

@@ -35,17 +35,19 @@ Entry = dict[str, Any]
 HEAD = f"""# Does the stated uncertainty hold?
 
 Every prediction states its uncertainty before YADE runs, from its own paths alone. Here irregular random scenes test it: unequal blocks,
-leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. The
-[test on regular walls](friction.md#the-accuracy-of-the-prediction) is another one. The reference follows paths in steps {FINER:g} times
-finer, with a tenth of the viscosity. Where a prediction has a third path, they are {FINEST:g} times finer, with a hundredth. It shares
-model and method with what it tests; YADE tests these on [other](verdicts.md) [random](fresh_verdicts.md) [scenes](third_verdicts.md).
+leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. A
+[test on regular walls](friction.md#the-accuracy-of-the-prediction) has another page. The reference follows paths in steps {FINER:g}
+times finer, with a tenth of the viscosity. Where a prediction has a third path, the reference follows paths in steps {FINEST:g} times
+finer, with a hundredth of the viscosity. Prediction and reference share model and method, which YADE tests on [other](verdicts.md)
+[random](fresh_verdicts.md) [scenes](third_verdicts.md).
 
 Written by `python tests/benchmarks/benchmark_uncertainty.py` (half an hour on one core) from scenes that had no part in any method.
 """
-LEGEND = """*holds*: scenes whose difference from the reference is no larger than the stated uncertainty, or 1e-5 of the weight. *worst
-excess*: the largest difference over what is allowed. *median stated*, *90 % within*: stated uncertainty and difference, over the reaction
-(over 1 % of the weight where this is larger). *unsure*: predictions that state more than 1 %, so that a judge does not decide by them, or
-are not solved. *s*, *reference s*: seconds of limit analysis for all scenes, one after the other.
+LEGEND = """*holds*: scenes in which prediction and reference differ by no more than the stated uncertainty, or than 1e-5 of the weight
+where this is more. *worst excess*: largest ratio of the difference to the allowed one. *median stated*: median of the stated uncertainties.
+*90 % within*: difference that nine scenes in ten do not exceed. Both are shares of the reaction, or of 1 % of the weight where this is
+larger. *unsure*: predictions that are not solved, or that state more than 1 %, so that the judge does not decide by them. *s*,
+*reference s*: seconds of limit analysis for all scenes, one after the other.
 """
 
 
@@ -125,10 +127,11 @@ def page(entries: list[Entry]) -> str:
     ]
     found = [
         f"- {len(both)} of {len(entries)} scenes have both predictions; seeds {', '.join(map(str, sorted({e['seed'] for e in entries})))}.",
-        f"- The stated uncertainty holds on {holds} of them ({100.0 * holds / len(both):.3g} %); it is meant to hold on 19 of 20.",
-        f"- On {same} scenes both values are one, to {format_number(SAME, 1)} of the weight: the way hardly matters there. Of the other "
-        f"{len(both) - same} it holds on {holds - same} ({100.0 * (holds - same) / (len(both) - same):.3g} %).",
-        f"- On {len(wrong)} of the {len(beyond)} where it does not hold the difference is larger than {100 * KNOWN:g} % of the reaction.",
+        f"- The stated uncertainty holds on {holds} of them ({100.0 * holds / len(both):.3g} %); it is meant to hold on 19 scenes of 20.",
+        f"- On {same} scenes both values are equal to {format_number(SAME, 1)} of the weight: the path hardly matters there. Of the other "
+        f"{len(both) - same} scenes the uncertainty holds on {holds - same} ({100.0 * (holds - same) / (len(both) - same):.3g} %).",
+        f"- It does not hold on {len(beyond)} scenes. On {len(wrong)} of these the difference is larger than {100 * KNOWN:g} % of the "
+        "reaction.",
     ]
     parts = [HEAD.rstrip("\n"), "\n".join(found), table(headings, [*kinds, row("all", both)]), LEGEND.rstrip("\n")]
     if beyond:

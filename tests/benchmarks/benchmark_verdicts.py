@@ -48,7 +48,7 @@ HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verd
 OF_SECOND_RUNS = slice(7, 9)  # columns
 MEANING = (
     "*Blocks*: free blocks. *Apart*: difference of YADE's value from the prediction, or from the value after a release where YADE agrees "
-    "with that one; over YADE's value, or over 0.01 where that is more. *s*: seconds of the prediction and of YADE's run."
+    "with that value. It is a share of YADE's value, or of 0.01 where that is more. *s*: seconds of the prediction and of YADE's run."
 )
 OF_MOVED = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
 
@@ -60,8 +60,8 @@ STONES = (
 GENERATED = (
     "Random structures of the generators by both methods, seed {}: arches of four shapes and of one or two rings, vaults, parts of domes, "
     "walls that meet at a corner or as a T, walls with an opening under a floor and sometimes with a rod, and rubble. Supports go down, "
-    "aside or turn; where *pushed* stands, a load in a nearly level direction grows, or the ground tilts, and the value is the multiplier. "
-    "Vaults, domes and walls that meet may move in space."
+    "aside or turn. In scenes named *pushed* a load in a nearly level direction grows, or the ground tilts, and the value is the "
+    "multiplier. Vaults, domes and walls that meet may move in space."
 )
 UNUSUAL = (
     "Structures of the [generators](generated_verdicts.md) with unusual keys, seed {}: gravity aslant, of the moon or ten times that "
@@ -206,7 +206,8 @@ def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]
     yield f"{len(entries)} of {total} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
     yield f"{agree / len(entries):.1%} agree; the goal is {GOAL:.0%}."
     if released := [str(entry["number"]) for entry in entries if "released" in entry]:
-        yield f"YADE comes to the prediction, then to the value of limit analysis after a release (*then*): {', '.join(released)}."
+        where = ", ".join(released)
+        yield f"Scenes in which YADE comes to the prediction and then to limit analysis' value after a release (*then*): {where}."
     unseen = [entry for entry in entries if entry["number"] not in seen]
     agreed = sum(not _is_open(entry) for entry in unseen)
     if seen:
@@ -222,11 +223,11 @@ def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]
     lost = [entry for entry in again if entry["again"]["verdict"] != "agree"]
     far = [entry for entry in again if (change := moved(entry)) is None or change > 1.0]
     apart_by_both = [entry for entry in again if (change := moved(entry, of_both=True)) is None or change > 1.0]
-    yield f"Of {len(again)} agreements that were run again {len(lost)} do not agree then."
+    yield f"Of {len(again)} agreements that were run again, {len(lost)} no longer agree."
     yield (
         f"In {len(far)} of them YADE's reaction moves by more than the first run states, or has no value. In {len(apart_by_both)} it moves "
-        f"by more than both runs state. The measure is the number E_n (ISO 13528), the change over the root of the sum of the squares of "
-        f"both uncertainties, which must not exceed 1. The goal for this second count is at most {MOST_MOVED:.0%}, "
+        f"by more than both runs state. The measure is the number E_n (ISO 13528): the change over the root of the sum of the squares of "
+        f"both uncertainties. E_n must not exceed 1. The goal for this second count is at most {MOST_MOVED:.0%}, "
         f"{math.floor(MOST_MOVED * len(again))} of them."
     )
     for name, entries_of in (("that no longer agree", lost), ("whose reaction moves by more than the first run states", far)):

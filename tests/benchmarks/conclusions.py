@@ -75,18 +75,18 @@ def ladders(folder: Path) -> str:
         [
             "Where no joint slides, the bound is the prediction, and it takes milliseconds "
             f"({number_text(1e3 * arch['associated', 'for a prediction']['total'], 2)} ms on the arch with 11 voussoirs). "
-            f"The remaining error is that of the inset: on two pads {_percent(pads, coarse)} at 1 mm and {_percent(pads, fine)} at 0.2 mm, "
+            f"The remaining error comes from the inset: on two pads {_percent(pads, coarse)} at 1 mm and {_percent(pads, fine)} at 0.2 mm, "
             f"in YADE {_percent(pads, DERIVED)} and {_percent(pads, ('YADE', 'inset x 0.2'))}.",
             f"Where joints slide, the bound is {_percent(wall, ('associated', 'for a prediction'))} off on the wall and the classic "
             f"iteration {_percent(wall, CLASSIC)}.",
-            f"The default prediction is {_priced(wall, DEFAULT)} there; one path with a viscosity of 0.1 W is {_priced(wall, ROUGH)}, two "
-            f"paths with steps ten times shorter are {_priced(wall, FINE)}. Allowing more travel changes nothing where one travel is "
-            "enough.",
+            f"On the wall the default prediction is {_priced(wall, DEFAULT)}. One path with a viscosity of 0.1 W is "
+            f"{_priced(wall, ROUGH)}; two paths with steps ten times shorter are {_priced(wall, FINE)}. Allowing more travel changes "
+            "nothing where one travel is enough.",
             f"With its derived settings YADE is {_priced(wall, DERIVED)} on the wall; four times as fast it is {_priced(wall, FASTER)}, at "
             f"half the speed {_priced(wall, SLOWER)}.",
-            f"On the corner friction's history decides. One path is {percent(min(one_path))} to {percent(max(one_path))} off, depending on "
-            f"its viscosity, and alone states at most {percent(alone)}. Only two paths show it: the default prediction is "
-            f"{_priced(corner, DEFAULT)} and states {percent(of_two)}.",
+            f"On the corner friction's history decides. A single path is {percent(min(one_path))} to {percent(max(one_path))} off, "
+            f"depending on its viscosity, but states an uncertainty of at most {percent(alone)}. Only a second path shows the error: the "
+            f"default prediction with two paths is {_priced(corner, DEFAULT)} and states {percent(of_two)}.",
             f"With its derived settings YADE is {_priced(corner, DERIVED)} on the corner; four times as fast it is "
             f"{_priced(corner, FASTER)}, at half the speed {_priced(corner, SLOWER)}. The classic iteration ends as "
             f"`{corner[CLASSIC]['status']}` there.",
@@ -167,9 +167,9 @@ def classic_iteration(rows: list[dict[str, str]]) -> str:
         ends = [float(row["classic"]) / float(row["coulomb_high"]) for row in solved]
         relaxations, slopes = ([float(row[f"classic.{name}"]) for row in solved] for name in ("relaxation", "slope"))
         lines.append(
-            f"{words.capitalize()}: it converges for {len(solved)} of {len(many)} settings, all with relaxations of "
-            f"{span(relaxations)} and slopes of {span(slopes)}, in {span([float(row['classic_iterations']) for row in solved])} "
-            f"programmes, to {span([100.0 * end for end in ends], 4)} % of the upper end of the interval. Elsewhere it ends as "
+            f"{words.capitalize()}: the iteration converges for {len(solved)} of {len(many)} settings, all with relaxations of "
+            f"{span(relaxations)} and slopes of {span(slopes)}. It takes {span([float(row['classic_iterations']) for row in solved])} "
+            f"programmes and ends at {span([100.0 * end for end in ends], 4)} % of the upper end of the interval. Other settings end as "
             f"{listed(sorted({row['classic_status'] for row in many} - {'solved'}))}."
         )
     return sentences(lines)

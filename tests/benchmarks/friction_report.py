@@ -123,8 +123,8 @@ def _far(results: list[Result]) -> Iterator[str]:
         stated = min(result.runs[DEFAULT].uncertainty / result.scale for result in far)
         least = min(result.case.per_course * result.case.courses for result in far)
         yield (
-            f"{len(far)} walls are off by more than {percent(FAR)}: they have {least} blocks and more, and each states at least "
-            f"{percent(stated)}."
+            f"{len(far)} walls are off by more than {percent(FAR)}: they have {least} blocks and more, and each states an "
+            f"uncertainty of at least {percent(stated)}."
         )
 
 

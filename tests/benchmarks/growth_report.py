@@ -24,18 +24,19 @@ Running-bond walls with as many courses as blocks per course settle under a thir
 give the CPU time and memory of limit analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger
 sizes.
 
-Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
+Every size runs in a process of its own. Quick runs are repeated, and the quickest one counts. *build* is scene, contacts, assembly and
 matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
-bound; *Coulomb* is a bound and the prediction; *all of* one of them is the whole analysis of the program, with the inset and with sharp
-edges.
+bound; *Coulomb* is a bound and the prediction; *all of associated* and *all of Coulomb* are the whole analysis of the program, with the
+inset and with sharp edges.
 
-Walls in space have a mirror along their middle: from 167 blocks on their bounds are solved with one half of the unknowns.
+Walls in space are symmetric about their middle plane. From 167 blocks on, their bounds are solved with half of the unknowns.
 
-Predictions of more than 2,500 unknowns, 833 plane blocks or 417 in space, follow a third path where the smoothing of two leaves more than
-1 % ([large structures](large.md)). Their seconds are the processor time of all paths."""
+Predictions of more than 2,500 unknowns (833 blocks in the plane, 417 in space) follow a third path where the smoothing of the first two
+leaves an uncertainty of more than 1 % ([large structures](large.md)). Their seconds are the processor time of all paths."""
 BESIDE = """\
-The earlier version ran its own benchmark on the same machine, within the same hour. Exponents are those of the sizes of both. Its
-prediction may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
+The earlier version ran its own benchmark on the same machine, within the same hour. Exponents are fitted to the sizes that both
+versions ran. The prediction of an earlier version may be another method: in version 0.2.0 it was a sequence of cone programmes, whose value
+did not converge with the number of its steps."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +163,7 @@ def _memory_per_block(measured: Sequence[dict[str, Any]]) -> str:
             if len(rows) > 1:
                 (few, least), (many, most) = rows[0], rows[-1]
                 found.append(f"{words} {1024.0 * (most - least) / (many - few):,.0f} KiB ({dimension}, {few:,} to {many:,} blocks)")
-    return f"One more block takes of the memory: {'; '.join(found)}." if found else ""
+    return f"Memory for each further block: {'; '.join(found)}." if found else ""
 
 
 def _solver_share(measured: Sequence[dict[str, Any]], law: str) -> str:
@@ -178,8 +179,8 @@ def _solver_share(measured: Sequence[dict[str, Any]], law: str) -> str:
         sizes += [f"{rows[first]['blocks']:,} blocks {words}"] if first < len(rows) else []
     if not sizes:
         return ""
-    what = "with Coulomb friction" if law == "Coulomb" else "by the associated law, bounds alone,"
-    rest = f"; below that the rest takes up to {number_text(1e3 * max(below), 2)} ms" if below else ""
+    what = "with Coulomb friction" if law == "Coulomb" else "by the associated law (bounds alone)"
+    rest = f"; in smaller walls the rest takes up to {number_text(1e3 * max(below), 2)} ms" if below else ""
     return f"In an analysis {what} the solver takes at least nine tenths of the time from {' and '.join(sizes)} on{rest}."
 
 

@@ -33,40 +33,40 @@ is at most {ACCEPTED:.0e}, and `inaccurate` that it is larger, whatever the solv
 the tolerance is divided by ten until its answer is `solved`; only the time of this last setting counts. *error* is the relative error of
 R/W against the certified answer with the least residual, at least {LEAST_ERROR:.0e}.
 
-*CPU s*: processor time of the solver's own work with its set-up, as the median of up to nine repeats, with their *range*; a first solve
-is not counted. *clock s* also includes other work on the machine. *ratio*: the time over that of our own solve, which follows every repeat
-in the same process, as a median; our own row shows the noise. Only one process with one thread runs at a time, for at most {{limit:g}} s of
-processor time a solve: `>` marks a solve that this limit stopped.
+*CPU s*: processor time of the solver's own work with its set-up, as the median of up to nine repeats. *range* is the range of these
+repeats, and a first solve is not counted. *clock s* also includes other work on the machine. *ratio*: the time over that of our own solve,
+as a median. Our solve follows every repeat in the same process, and our own row shows the noise. Only one process with one thread runs at a
+time, for at most {{limit:g}} s of processor time a solve: `>` marks a solve that this limit stopped.
 
 {{summary}}
 
 {{table}}
 
-- **HiGHS** (through scipy) has no cones. In the plane two lines form the exact cone. In space inscribed pyramids replace the
-  cones; the setting gives their number of facets. Their flow rule differs from the true one by about 2e-2 with 8 facets and 1e-3 with 32.
-  The 1e-6 of the other solvers would need about a thousand facets, except where all sliding joints slide towards a corner of the pyramid.
-  Walls of more than 500 blocks run with 8 facets only.
+- **HiGHS** (through scipy) has no cones. In the plane two lines form the exact cone. In space inscribed pyramids replace the cones; the
+  setting gives their number of facets. The flow rule of a pyramid differs from that of the cone by about 2e-2 with 8 facets and 1e-3 with
+  32. The 1e-6 of the other solvers would need about a thousand facets, except where all sliding joints slide towards a corner of the
+  pyramid. Walls of more than 500 blocks run with 8 facets only.
 - **ECOS, SCS, QOCO** solve the same form of the problem as clarabel.
 - **PIQP** solves linear and quadratic programmes only, so it runs in the plane and not in space.
 - **compas_cra** has no settlement and minimises no reaction. It finds any equilibrium of the structure with all supports
   at rest, on the same contact points (RBE: convex, with octagons about the friction cones and a penalty on tension; CRA: coupled with a
   virtual displacement, not convex). It has its own tolerances: the penalty leaves about 1e-6 of tension, and the octagons up to 8 % of
-  excess friction, whatever the tolerance of IPOPT. Its residual is that of an equilibrium: balance and cones. We compare its time with our
-  time for the least reaction, whose forces are such an equilibrium. Only the time of IPOPT counts, not that of its matrices in Python.
+  excess friction, whatever the tolerance of IPOPT. Its residual covers balance and cones, but no flow rule. We compare its time with our
+  time for the least reaction, whose forces are an equilibrium, too. Only the time of IPOPT counts, not that of its matrices in Python.
 
 Peers are faster on small problems in the plane for two reasons. First, the set-up of clarabel takes a quarter to a half of our time (on the
 arch we take 0.21 ms in all, and PIQP 0.17 ms). Second, we solve small structures to residuals about a hundred times smaller than those
-required of the peers, with one iteration more in eight, so that an answer in a report needs no error bar. On 1,000 blocks PIQP takes more
-iterations than clarabel, 48 against 42, but about a fifth less time for each.
+required of the peers, so that an answer in a report needs no error bar. This takes one more iteration for every eight. On 1,000 blocks PIQP
+takes more iterations than clarabel, 48 against 42, but about a fifth less time for each.
 """
 
 DYNAMICS = """\
 ## YADE and LMGC90: a settlement followed in time
 
-Both programs have the same blocks, friction and direction of the support's motion, which goes to a third of a millimetre. *predicted* is
-our Coulomb prediction on the same contact points: with the inset for YADE and limit analysis, sharp for LMGC90. *scatter* is that of the
-reaction about the fitted line. Seconds are those of one whole run, from the scene to the reaction; *ratio* divides them by those of limit
-analysis on the same points.
+Both programs have the same blocks, friction and direction of the support's motion. In LMGC90 the support moves by a third of a millimetre;
+YADE stops once its reaction is steady. *predicted* is our Coulomb prediction on the same contact points: with the inset for YADE and limit
+analysis, sharp for LMGC90. *scatter* is the scatter of the reaction about the fitted line. Seconds are those of one whole run, from the
+scene to the reaction; *ratio* divides them by the seconds of limit analysis on the same points.
 
 {table}
 
@@ -82,8 +82,8 @@ WHOLE = f"""\
 
 `crosscheck solve FILE --bounds` reads the file of a wall whose right third settles, finds its joints, computes the least and the greatest
 reaction with and without inset, checks all four and prints them. The same command runs with HiGHS in place of our solver; in the plane both
-solve exactly the same problem, because the friction cone is two lines. *blocks* is about their number. *CPU s* is the processor time of
-the whole process, from the start of Python, as the median of {REPEATS} runs in turn. {{versions}}
+solve exactly the same problem, because the friction cone is two lines. *blocks* is the approximate number of blocks. *CPU s* is the
+processor time of the whole process, from the start of Python, as the median of {REPEATS} runs in turn. {{versions}}
 
 {{table}}
 """

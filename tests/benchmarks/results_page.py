@@ -62,10 +62,10 @@ The columns:
 - *Coulomb*: the prediction for friction without dilatancy. *its interval*: the values that the predicted mechanism allows, whatever
   friction's history was.
 - *its uncertainty*: the uncertainty of the prediction that limit analysis states before YADE runs. All values are for the scene's inset.
-- *YADE R/W*: the plateau with its uncertainty, the sum of its parts.
+- *YADE R/W*: the plateau with its uncertainty, which is the sum of its parts.
 - *iterations*: Newton iterations of all paths, or of the search for sliding joints. *LA s*: seconds of the solver for the whole limit
-  analysis. *YADE s*: seconds of one run on one core. Seconds are by the clock: while other work ran on the machine, they are up to a
-  few times too long.
+  analysis. *YADE s*: seconds of one run on one core. Seconds are by the clock. Where other work ran on the machine, they are up to
+  a few times too long.
 """
 FULL_INTRODUCTION = """\
 ## Reduced and full model
@@ -180,9 +180,7 @@ def _figures(entries: dict[str, Entry]) -> str:
             f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}."
         )
         if model["verdict"] == "agree" and max(model["uncertainty"] / model["yade"], model["stated"] / model["predicted"]) > UNCERTAIN:
-            text += (
-                f" An uncertainty of more than {percent(UNCERTAIN)} decides nothing: the values agree within the floor of the tolerance."
-            )
+            text += f" Uncertainties of more than {percent(UNCERTAIN)} are not added to the tolerance: the values agree within its floor."
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
             f"![A building of {entries[BUILDING]['blocks']:,} blocks whose corner settles: the mechanism by limit analysis and by YADE; "
