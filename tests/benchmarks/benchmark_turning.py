@@ -35,14 +35,14 @@ HEAD = f"""# What turning blocks release
 
 Limit analysis keeps the geometry as laid: where a block turns, its contact points move at right angles to their arms. In truth they move on
 circles. The difference, of second order in the rotation, is tiny beside a block, but not beside the strain of stiff joints. Friction may
-lock a thrust in, which holds by this strain alone. Turning blocks release it after a settlement of about the root of strain times block
-size, some tenths of a millimetre, and the reaction comes to another plateau. The bounds hold before and after.
+lock in a thrust that rests on this strain alone. Turning blocks release the thrust after a settlement of about the root of strain times
+block size, some tenths of a millimetre, and the reaction comes to another plateau. The bounds hold before and after the release.
 
 A prediction is for settlements before this release. Where friction allows its mechanism several values, its paths go on with finite
 rotations, and the answer also has the value after the release (*released*). With `[effects] rotation = "finite"` the prediction itself is
-for settlements after: its path follows displacements of second order, of joints {STIFFER:g} times as stiff, over one travel, and then goes
-on until its curve is flat. Forces balance on the geometry as laid, and the end is certified as that of every other path. YADE, whose blocks
-always turn by finite angles, covers its whole travel with joints as stiff.
+for settlements after the release. Its path follows displacements of second order over one travel, for joints {STIFFER:g} times as stiff,
+and then goes on until its curve is flat. Forces balance on the geometry as laid, and the end is certified as on every other path. In
+YADE blocks always turn by finite angles. Its run covers the whole travel, with joints of the same stiffness as the path.
 
 ![Reaction over settlement of one scene by both methods: both curves fall together from 0.0807 to 0.0660 W](turning.png)
 
@@ -52,16 +52,16 @@ The table lists those random scenes of [both](verdicts.md) [pages](fresh_verdict
 {100 * CHANGED:g} %. Written by `python tests/benchmarks/benchmark_turning.py --workers 2`.
 
 Scenes 10, 94, 140 and 165 of 20261126, and 69 and 164 of 20261127, have led to changes of the method and prove little. Another 200 scenes
-were drawn after it was fixed (`--seed 20261128`): 187 are known to 1 % with both rotations, 9 change by more than 0.5 %, 8 by more than 1
-%, the most by 11 %. YADE agrees with 8 of the 9, and has no plateau in the other one (137). The default prediction has the value after the
-release of 8 of them, within 0.26 % of that with finite rotations. In scene 196 the interval is one point:
-turning blocks lead to another mechanism, and to 1.7 % more, by both methods.
+were drawn after the method was fixed (`--seed 20261128`): 187 are known to 1 % with both rotations, 9 change by more than 0.5 %, 8 by more
+than 1 %, one by 11 %. YADE agrees with 8 of the 9, and has no plateau in the other scene (137). The default prediction has the value after
+the release in 8 of them, within 0.26 % of the prediction with finite rotations. In scene 196 the interval is one point: turning blocks lead
+to another mechanism, and to 1.7 % more, by both methods.
 
-Predictions count what the order of the blocks decides [as uncertain](../../la_core/README.md#the-release-of-thrusts). Scene 94 of 20261126,
-whose blocks in reverse order come to 9 % less by both methods, is therefore not in the table.
+The uncertainty of a prediction includes its change [with the order of the blocks](../../la_core/README.md#the-release-of-thrusts). Scene 94
+of 20261126, whose reaction is 9 % smaller by both methods if the blocks are listed in reverse order, is therefore not in the table.
 
-*released*: what the default prediction says of the value after a release. *interval*: width of the mechanism's interval for small
-rotations, over the value. *leaves at*: settlement at which the path with finite rotations has left the value of small ones by
+*released*: value after a release by the default prediction. *interval*: width of the mechanism's interval for small rotations, over the
+value. *leaves at*: settlement at which the path with finite rotations differs from the value for small rotations by
 {100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of YADE and limit analysis, both with finite
 rotations. *s*: seconds of YADE's run, with other work on the same cores.
 """
@@ -195,8 +195,8 @@ def page(rows: list[Row], scenes: int) -> str:
     verdicts = Counter(row.yade[2] for row in listed if row.yade is not None).most_common()
     open_ones = [sum(not getattr(row, name).is_known for row in rows) for name in ("small", "finite")]
     found = [
-        f"- Of {scenes} scenes {len(rows)} have both predictions. {open_ones[0]} of those with small rotations and {open_ones[1]} of those "
-        f"with finite ones are uncertain by more than {100 * KNOWN:g} %; {len(known)} scenes remain.",
+        f"- Of {scenes} scenes {len(rows)} have both predictions. With small rotations {open_ones[0]} predictions are uncertain by "
+        f"more than {100 * KNOWN:g} %, and with finite rotations {open_ones[1]}; {len(known)} scenes remain.",
         f"- {len(listed)} of these change by more than {100 * CHANGED:g} %, {sum(change > LEFT for change in changes)} by more than "
         f"{100 * LEFT:g} %, the most by {100 * max(changes):.2g} %.",
         f"- YADE's verdict on these: {', '.join(f'{count} {verdict}' for verdict, count in verdicts)}.",
@@ -217,9 +217,9 @@ def _said_of_release(rows: list[Row]) -> str:
     changed = [row for row in rows if row.is_known and abs(row.change) > CHANGED]
     of_changed = sum(np.isfinite(row.released.value) for row in changed)
     return (
-        f"The default prediction has the value after a release in {len(said)} scenes, {of_changed} of the {len(changed)} that change among "
-        f"them. Where both are known, it differs from that of finite rotations by {100.0 * most:.2g} % at most, and by more than both "
-        f"uncertainties in {len(beyond)} scenes{': ' + '; '.join(beyond) if beyond else ''}."
+        f"The default prediction has the value after a release in {len(said)} scenes, among them {of_changed} of the {len(changed)} that "
+        f"change. Where both values are known, this value differs from the prediction with finite rotations by at most "
+        f"{100.0 * most:.2g} %, and by more than both uncertainties in {len(beyond)} scenes{': ' + '; '.join(beyond) if beyond else ''}."
     )
 
 
