@@ -1,4 +1,4 @@
-"""An accuracy is asked for by a scene or a command, and what was bought is said, stored and found again."""
+"""A scene or a command requests an accuracy. The record of the attempts to reach it is printed, stored and found again."""
 
 import json
 import math
@@ -34,7 +34,7 @@ def test_an_accuracy_is_written_into_the_scene(text: str, asked: float) -> None:
 
 
 def test_an_accuracy_is_replaced_however_it_is_spelled() -> None:
-    """A line of a text that looks like the key stays as it is."""
+    """A line within a string is not changed, although it looks like the key."""
     plain = scenes.shipped("two_pads")
     body = "\n".join(line for line in plain.text.splitlines() if not line.startswith("source"))
     hidden = 'source = """\naccuracy = 0.03\n"""\n"accuracy" = 0.05\n'
@@ -82,7 +82,7 @@ def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, cap
 
 @pytest.mark.parametrize("accuracy", [None, 0.02])
 def test_a_note_says_of_sharp_edges_which_inset_both_methods_share(accuracy: float | None, tmp_path: Path) -> None:
-    """No accuracy makes a sharp edge one that YADE can have."""
+    """YADE cannot model a sharp edge at any accuracy."""
     sharp = la_core.variant(scenes.shipped("two_pads"), {"joint.inset": 0.0})
     scene = sharp if accuracy is None else with_accuracy(sharp, accuracy)
     summary = run_scene(scene, tmp_path / "sharp", Silent(), with_yade=False, figures=lambda _: {})

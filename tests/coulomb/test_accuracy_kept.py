@@ -1,4 +1,4 @@
-"""The accuracy that is asked for is kept on scenes with known values, by both methods."""
+"""Both methods reach the requested accuracy on scenes with known values."""
 
 import json
 import math
@@ -47,7 +47,7 @@ def divisor(scene: Scene) -> float:
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize("name", [*EXACT, *PUBLISHED])
 def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
-    """PUBLISHED: how well the value is known, as a share of it."""
+    """PUBLISHED: relative uncertainty of the known value."""
     scene = with_accuracy(scenes.shipped(name), accuracy)
     analysis = analyse(scene)
     assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
@@ -62,7 +62,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # they would take most of the time
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # drawing would take most of the time
     names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
     assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
     for name in names:
@@ -87,13 +87,13 @@ def test_a_coarse_wall_costs_less_than_a_third_of_a_fine_one(tmp_path: Path) -> 
 def test_rounded_edges_are_sharpened_until_they_fit_the_accuracy() -> None:
     coarse, fine = (analyse(with_accuracy(scenes.shipped("two_pads"), accuracy)) for accuracy in (0.05, 0.002))
     assert coarse.assembly.inset == scenes.shipped("two_pads").inset
-    assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
+    assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is proportional to the inset, 1 % at 1 mm
     assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
 
 
 @pytest.mark.parametrize("name", ["wall_third", "wall_half", "ferris_tin_loi_1"])
 def test_rounded_edges_change_the_prediction_by_no_more_than_is_told(name: str) -> None:
-    """Twice what half the inset changes, where joints slide; YADE's error has the same part."""
+    """Where joints slide, the stated part is twice the change of the prediction at half the inset. YADE's error has the same part."""
     scene = with_accuracy(scenes.shipped(name), 0.01)
     analysis = analyse(scene)
     assert analysis.accuracy is not None and analysis.coulomb is not None and analysis.coulomb.steps > 0
@@ -109,7 +109,7 @@ def test_rounded_edges_change_the_prediction_by_no_more_than_is_told(name: str) 
 
 
 def test_the_prediction_may_change_by_more_than_the_bound() -> None:
-    """Blocks whose prediction changes three times as much with the inset as the bound: 1.8 % were told as 0.7 %."""
+    """The prediction of these blocks changes three times as much with the inset as the bound. Their 1.8 % were once stated as 0.7 %."""
     scene = scene_of_text(SLIDING, Path("sliding.toml"), "sliding")
     sharp = analyse(la_core.variant(scene, {"joint.inset": 0.0, "accuracy": None})).coulomb
     analysis = analyse(scene)
@@ -120,7 +120,7 @@ def test_the_prediction_may_change_by_more_than_the_bound() -> None:
 
 
 def test_a_finer_answer_takes_less_viscous_paths_and_their_difference_is_the_error() -> None:
-    """Where the stones come to two plateaus, the error of the default paths is unknown. Finer ones come to 0, as YADE does."""
+    """The default paths of the stones end on two plateaus, so that their error is unknown. Finer paths end at 0, as YADE does."""
     stones = unusual_scenes.drawn(88, 20261202).scene
     for scene, level in ((with_accuracy(scenes.shipped("wall_third"), 0.04), 0), (stones, 1)):
         analysis = analyse(scene)
@@ -145,7 +145,7 @@ def overhang() -> Scene:
 
 
 def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
-    """Two paths of this corner lie 1 % apart. With finite rotations, which are left out here, a third path would come to their aid."""
+    """Two paths of this corner end 1 % apart. Rotations are small here, because with finite ones a third path would follow."""
     corner = la_core.variant(scenes.shipped("corner_settling_end"), {"effects.rotation": "small"})
     analysis = analyse(with_accuracy(corner, 0.002))
     assert analysis.accuracy is not None
@@ -163,7 +163,7 @@ def test_two_predictions_tell_of_rounded_edges_where_no_bound_exists(accuracy: f
     assert analysis.is_without_bound and analysis.coulomb is not None and check.verdict is Verdict.AGREE
     assert analysis.accuracy is not None
     parts = analysis.accuracy.limit_analysis[-1].parts
-    assert parts[ROUNDED_HISTORY] >= parts[HISTORY] > 0.0  # of both predictions
+    assert parts[ROUNDED_HISTORY] >= parts[HISTORY] > 0.0  # the uncertainties of both predictions
     error = analysis.coulomb.value / (2.0 * math.sqrt(2.0)) - 1.0
     assert 0.0 < error <= check.limit_analysis <= accuracy
 

@@ -1,4 +1,4 @@
-"""A run of YADE is as slow as the accuracy needs, is repeated slower where it misses, and says so where it cannot reach it."""
+"""A run of YADE is as slow as the accuracy needs. A run that misses it is repeated more slowly; one that cannot reach it says so."""
 
 import json
 import math
@@ -46,7 +46,7 @@ def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
     periods = [settings["travel_periods"] for settings in chosen]
     assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS
     quick = made_up("two_pads").accuracy
-    assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
+    assert quick is not None and quick.settings["travel_periods"] < periods[1]  # without sliding there is no history of friction
 
 
 def test_friction_that_slides_is_not_moved_faster_than_derived_for_a_coarse_accuracy() -> None:
@@ -84,7 +84,7 @@ def test_a_run_that_misses_is_slower_by_as_much_as_it_misses_and_knows_its_plate
 
 @pytest.mark.parametrize(("uncertainty", "tighter"), [(0.0009, 1.0), (0.0011, 2.0)])
 def test_a_slower_run_stops_as_early_where_its_fit_takes_at_most_half_of_the_accuracy(uncertainty: float, tighter: float) -> None:
-    """Else the wall at 0.1 % went on over all of its travel, for a fit that had been good enough."""
+    """Otherwise the wall at 0.1 % went on over its whole travel although its fit had been good enough."""
     analysis = made_up("two_blocks", 0.002)
     results = Results(analysis, run_of(analysis, uncertainty=uncertainty, periods=0.5 * TRAVEL_PERIODS))  # too fast for friction's history
     slower = accuracy_settings.slower_settings(results, LIMIT)
@@ -122,7 +122,7 @@ def test_a_stored_scene_without_an_accuracy_of_yade_is_not_run_again(
 
 
 def test_without_sliding_a_run_is_as_fast_as_the_accuracy_bears() -> None:
-    """Eight times as fast at 1 % and coarser, and less in proportion, but never slower than derived."""
+    """A run is eight times as fast as derived at 1 % and coarser, less fast in proportion at finer accuracies, and never slower."""
     for accuracy, pace in ((0.05, 8.0), (0.01, 8.0), (0.0025, 2.0), (0.001, 1.0)):
         chosen = made_up("two_pads", accuracy).accuracy
         assert chosen is not None and chosen.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS / pace)
@@ -164,7 +164,7 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
     scene = replace(with_accuracy(scenes.shipped("wall_third"), 0.01), yade=own)
     analysis = accuracy_settings.initial_settings(analyse(scene))
     assert analysis.accuracy is not None and "travel_periods" not in analysis.accuracy.settings
-    fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
+    fast = run_of(analysis, periods=75.0)  # the periods at an eightfold speed, whichever setting requests it
     assert accuracy_settings.attempt_of(Results(analysis, fast)).parts["friction's history"] > 0.02
     assert accuracy_settings.slower_settings(Results(analysis, fast), LIMIT) is None
     (_, check) = requested_accuracy.check_accuracy(Results(analysis, fast))
@@ -175,7 +175,7 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
 def test_a_second_attempt_becomes_slower_where_it_misses_the_accuracy(
     own: dict[str, float], begins_with: float | None, tmp_path: Path
 ) -> None:
-    """The periods that it begins with stand in its scene; a speed of the user's is not touched."""
+    """The scene of the second attempt sets the periods that it begins with. A speed set by the user is not changed."""
     scene = with_accuracy(scenes.shipped("wall_third"), 0.001)
     scene = replace(scene, name=scene.name + SECOND_ATTEMPT, effort="high", yade=own)
     analysis = accuracy_settings.initial_settings(analyse(scene))
@@ -198,7 +198,7 @@ def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
     assert analysis.accuracy is not None and analysis.accuracy.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
     assert "friction's history" in accuracy_settings.attempt_of(Results(analysis, run_of(analysis))).parts
     (check,) = requested_accuracy.check_accuracy(Results(analysis))
-    assert check.verdict is Verdict.INCONCLUSIVE  # a bound of what slides is no prediction
+    assert check.verdict is Verdict.INCONCLUSIVE  # a bound is no prediction where joints slide
     assert check.next_step.startswith("Request no accuracy: a part of the error is unknown.")
 
 
@@ -230,7 +230,7 @@ def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
 @pytest.mark.parametrize("name", ["two_pads", "ferris_tin_loi_1"])
 @pytest.mark.parametrize("of_weights", [math.nan, 1e3])
 def test_an_answer_without_work_of_the_weights_has_inertia_too(name: str, of_weights: float) -> None:
-    """A multiplier times the weights that it pushes does work: without them the inertia of a sliding block was told as 12 % for 0.05 %."""
+    """A multiplier does work on the pushed weights. Without it the inertia of a sliding block was stated as 12 % for 0.05 %."""
     analysis = made_up(name)
     run = run_of(analysis)
     record = {

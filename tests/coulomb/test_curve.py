@@ -1,4 +1,4 @@
-"""Plateau of a curve: flat or not, what its scatter leaves open, and which values are one plateau."""
+"""Plateau of a curve: its flatness, the uncertainty from its scatter, and the values that count as one plateau."""
 
 from dataclasses import replace
 from typing import Any
@@ -38,7 +38,7 @@ def test_a_plateau_states_its_change_and_its_scatter_without_a_stray_jump() -> N
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("share", "scatter"), [(0.04, 0.001), (0.06, 0.1)])
 def test_what_strays_over_a_twentieth_of_the_last_quarter_scatters(share: float, scatter: float, sign: float) -> None:
-    """Upwards or downwards; less is a jump in progress."""
+    """The values stray upwards or downwards. Where they stray over less, they are a jump in progress."""
     progress = np.linspace(0.0, 1.0, 10_001)
     strays = (progress > 0.9) & (progress <= 0.9 + 0.25 * share)
     found = plateau.plateau_of(progress, 0.2 + sign * np.where(strays, 0.1, 0.001), 1.0, 0.2)
@@ -47,7 +47,7 @@ def test_what_strays_over_a_twentieth_of_the_last_quarter_scatters(share: float,
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_long_step_scatters_as_any_other_one(sign: float) -> None:
-    """The last quarter of the way is two steps: none of them strays over less than a twentieth of it."""
+    """The last quarter of the way has only two steps. Each is longer than a twentieth of it."""
     progress, values = np.array([0.0, 0.25, 0.5, 0.75, 0.875, 1.0]), np.array([0.2, 0.2, 0.2, 0.2, 0.2, 0.2 + sign * 0.05])
     assert plateau.plateau_of(progress, values, 1.0, 0.2).scatter == pytest.approx(0.05)
 
@@ -67,7 +67,7 @@ def test_a_plateau_is_known_to_one_per_cent_of_its_value_or_of_a_thousandth_of_t
 
 @pytest.mark.parametrize(("mean", "most"), [(0.2, 1e-4), (-0.2, 1e-4), (0.0, 5e-7)])
 def test_a_curve_is_flat_to_half_a_thousandth_of_its_mean_or_of_a_thousandth_of_the_weight(mean: float, most: float) -> None:
-    """Wherever it ends."""
+    """The value at the end of the curve does not matter."""
     for value in (0.1, 0.9):
         flat, rising = (plateau.Plateau(value, mean, share * most, 0.0, 1.0) for share in (0.99, 1.01))
         assert flat.is_flat and not rising.is_flat
@@ -99,7 +99,7 @@ def test_values_within_a_hundredth_of_the_greater_one_are_one_plateau(size: floa
 
 
 def test_the_mean_is_that_over_the_way_and_not_over_the_steps() -> None:
-    """A value holds over the step that it ends: 0.3 over a quarter of the way, 0.1 over another one that takes ten steps."""
+    """A value counts over the step at whose end it is reached: 0.3 over a quarter of the way, 0.1 over another quarter in ten steps."""
     progress = np.concatenate([[0.0, 0.25, 0.5, 0.75], np.linspace(0.775, 1.0, 10)])
     values = np.concatenate([[9.0, 9.0, 0.5, 0.3], np.full(10, 0.1)])
     found = plateau.plateau_of(progress, values, 1.0, 0.1)
@@ -117,7 +117,7 @@ def test_values_closer_than_a_hundredth_are_one_plateau(values: list[float], exp
 
 
 def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Paths are made to end 5 % apart by their viscosity; a third one decides, and the uncertainty covers both values."""
+    """The first path is made to end 5 % higher than the others. A third path decides, and the uncertainty covers both values."""
     scene = scenes.build(*scenes.wall(4, 3, split=0.8), friction=0.6)
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING)
@@ -152,7 +152,7 @@ def test_a_plateau_is_left_where_the_doubt_has_grown(doubts: tuple[float, float]
 
 @pytest.mark.parametrize("number", [pytest.param(159, marks=pytest.mark.slow), 134])
 def test_a_plateau_that_the_curve_leaves_is_told(number: int) -> None:
-    """Random walls whose curves are flat for four travels and more, then move by 2 %: 159 has no plateau there, 134 has a better one."""
+    """The curves of two random walls are flat for four travels and more, then move by 2 %: 159 to no plateau, 134 to a better one."""
     scene = drawn(number, EARLIER_SEED).scene
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, {}), solve_associated(assembly, Drive.YIELDING)

@@ -1,4 +1,4 @@
-"""Effects that a scene does without come back where a run of YADE does not bear it out."""
+"""An effect that was left out is restored where a run of YADE shows it to be needed."""
 
 from conftest import Silent
 
@@ -11,7 +11,7 @@ from la_core.analysis.result import LimitAnalysis
 
 
 def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cross_checked) -> None:
-    """A YADE run whose joints slide where limit analysis found none that does: limit analysis is done again in full."""
+    """Joints slide in YADE's run although limit analysis found none that slides. Limit analysis is then repeated with friction."""
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
     monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda results: results.analysis.assembly.effects.friction == "none-slides")
@@ -30,7 +30,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
 
 
 def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
-    """YADE's run of a wall whose joints slide, held against limit analysis that left friction out."""
+    """The joints of a wall slide in YADE's run, while its limit analysis left friction out."""
     found = cross_checked("wall_third")
     assembly = found.analysis.assembly
     wrong = found.analysis.with_effects(assembly.effects.with_effect("friction", "none-slides", "made up"))
@@ -41,7 +41,7 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
 
 
 def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_up(tmp_path, monkeypatch, cross_checked) -> None:
-    """The guards' complaints, made up: the whole structure is run again in YADE with finite displacements, and says why."""
+    """Both guards are made to complain. The whole structure is then modelled with finite displacements, for the reasons they gave."""
     found = cross_checked("arch_spreading")
     complaints = {"reach": "made up for reach", "displacement": "made up for displacement"}
 
@@ -68,7 +68,7 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
 
 
 def test_a_structure_whose_motion_in_space_came_back_is_read_again(tmp_path, monkeypatch, cross_checked) -> None:
-    """The scene itself would be modelled in the plane, so reports and exports took the file for that of another scene."""
+    """The scene alone would be modelled in the plane, so that reports and exports took its file for that of another scene."""
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.plane
     complaint = [Check("plane answer in space", Verdict.INCONCLUSIVE, reason="made up for plane")]

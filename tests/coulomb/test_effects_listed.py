@@ -1,4 +1,4 @@
-"""The full model has every effect, and each is listed with its reason and what it saves."""
+"""The full model has every effect. Each effect is listed with its reason and, where it is left out, with the saving."""
 
 import dataclasses
 from dataclasses import replace
@@ -18,7 +18,7 @@ from la_core.analysis.stage import analyse
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.variants import full_model
 
-# --- everything on ---------------------------------------------------------------------------------------------------------------
+# --- the full model --------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["arch_spreading", "wall_third", "slab_four_corners", "two_pads", "ferris_tin_loi_1"])
@@ -53,7 +53,7 @@ def test_effects_that_are_no_table_of_their_own_are_replaced_too() -> None:
     assert full.blocks.names == plain.blocks.names and full.weight == plain.weight
 
 
-# --- what the user sees ------------------------------------------------------------------------------------------------------------
+# --- the list of effects -----------------------------------------------------------------------------------------------------------
 
 
 def test_every_effect_is_listed_with_its_reason_and_what_it_saves() -> None:
@@ -70,14 +70,14 @@ def test_every_effect_is_listed_with_its_reason_and_what_it_saves() -> None:
 
 
 def saved(assembly: Assembly, whole: Assembly | None = None, poses: dict[str, int] | None = None, **choices: bool | str) -> dict[str, Any]:
-    """What each effect saves, by its name, where the assembly has these choices."""
+    """Saving of each effect by name, for an assembly with these choices."""
     chosen = replace(assembly, effects=replace(assembly.effects, **choices))
     scene: Any = SimpleNamespace(friction=0.6, yade=poses or {})
     return {row["effect"]: row["saved"] for row in effects_summary(scene, whole or assembly, chosen)["table"]}
 
 
 def test_what_a_plane_model_saves_by_counting() -> None:
-    """A stack of two blocks on a base: two joints of four points in space, of which a plane model has two."""
+    """A stack of two blocks on a base has two joints. Each has four contact points in space and two in the plane."""
     stack = [scenes.box(f"block {k}", (0.0, 0.0, 0.2 * k), (0.5, 0.3, 0.2 * (k + 1))) for k in range(2)]
     scene = scenes.build(*stack, scenes.box("base", (0.0, 0.0, -0.2), (0.5, 0.3, 0.0), "support"), inset=1e-3)
     plane, space = assemble(scene), assemble(scenes.load(scene.text.replace('plane = "auto"', "plane = false")))
@@ -89,7 +89,7 @@ def test_what_a_plane_model_saves_by_counting() -> None:
         "rotation": {"run of YADE over its whole travel": 1},
         "reach": {},
         "displacement": {"engine in YADE, the collider": 1},
-        "recording": {"states": 2},  # of 40, over 6 % of the travel
+        "recording": {"states": 2},  # of 40: before the plateau, over 6 % of the travel
     }
     in_space = saved(space, poses={"poses": 100}, **off | {"friction": "associated"})
     assert in_space["plane"] == {} and in_space["elasticity"] == {"springs": 24} and in_space["recording"] == {"states": 6}
@@ -100,7 +100,7 @@ def test_what_a_plane_model_saves_by_counting() -> None:
 
 @pytest.mark.parametrize(("plane", "unknowns", "points"), [(True, 6, 4), (False, 12, 8)])
 def test_what_is_set_aside_saves_its_blocks_and_their_joints(plane: bool, unknowns: int, points: int) -> None:
-    """A stack of two blocks beside another one, which is set aside; a block in YADE is a clump, a carrier and a face."""
+    """One of two stacks of two blocks is set aside. A block in YADE has three bodies: a clump, a carrier and a face."""
     stacks = [
         scenes.box(f"block {j} {k}", (2.0 * j, 0.0, 0.2 * k), (2.0 * j + 0.5, 0.3, 0.2 * (k + 1))) for j in range(2) for k in range(2)
     ]
@@ -113,7 +113,7 @@ def test_what_is_set_aside_saves_its_blocks_and_their_joints(plane: bool, unknow
 
 
 def test_the_seconds_of_an_effect_are_those_of_each_answer_once() -> None:
-    """The answers at the shared inset and for sharp edges may be one."""
+    """The answers at the shared inset and for sharp edges may be the same one, whose seconds count once."""
     scene = scenes.shipped("wall_third")
     decided = decided_model(scene)
 

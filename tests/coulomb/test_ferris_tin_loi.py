@@ -15,10 +15,10 @@ from la_core.limit.associated import Status
 from la_core.scene import Scene, build
 
 SIX_DIGITS = 1e-6
-PUBLISHED = 5e-3  # relative; of published Coulomb values, which know no history
+PUBLISHED = 5e-3  # relative: published Coulomb values do not follow the history of friction
 LEAST = 1e-3  # relative, of the least values found
 
-LARGEST = pytest.param(6, marks=pytest.mark.slow)  # it takes half of the time of all
+LARGEST = pytest.param(6, marks=pytest.mark.slow)  # it takes half of the time of all walls
 every_wall = pytest.mark.parametrize("number", [1, 2, 3, 4, 5, LARGEST])
 
 
@@ -73,7 +73,7 @@ def test_coulomb_lies_between_the_least_found_and_the_associated_multiplier(numb
 
 @pytest.mark.parametrize(("number", "apart"), [(1, 1e-4), (2, 1e-2), (3, 1e-2), (4, 1e-4), (5, 1e-4)])
 def test_interval_of_the_mechanism_begins_at_the_least_multiplier(number: int, apart: float) -> None:
-    """Two programmes find the same; in wall 2 theirs is lower by 0.6 %, in another mechanism; wall 3 has a second one at +0.5 %."""
+    """An independent programme finds the same. In wall 2 it finds another mechanism 0.6 % lower; wall 3 has a second one at +0.5 %."""
     assert coulomb(analysed(number)).interval[0] == pytest.approx(LEAST_FOUND[number], rel=apart)
 
 
@@ -81,7 +81,7 @@ def test_interval_of_the_mechanism_begins_at_the_least_multiplier(number: int, a
     ("number", "history"), [(1, 0.005), (2, 0.005), (3, 0.02), (4, 0.005), (5, 0.005), pytest.param(6, 0.005, marks=pytest.mark.slow)]
 )
 def test_four_steps_find_the_plateau_of_the_fine_path(number: int, history: float) -> None:
-    """Both with the inset that YADE needs. In wall 3 few long steps lead to a second plateau, 1.4 % above, not to the least one found."""
+    """Both paths have the inset that YADE needs. In wall 3 few long steps lead to a second plateau, 1.4 % above the least one found."""
     analysis = analysed(number)
     solution = analysis.coulomb
     assert solution is not None and solution.status is Status.SOLVED
@@ -102,7 +102,7 @@ def test_wall_1_in_space() -> None:
 
 @pytest.mark.parametrize("number", [1, 2])
 def test_shipped_walls_are_these(number: int) -> None:
-    """The shipped scenes say the same with a generator; their expected values are those above."""
+    """The shipped scenes build the same walls by a generator and expect the values above."""
     scene, same = scenes.shipped(f"ferris_tin_loi_{number}"), wall(number)
     assert scene.expected is not None
     assert (scene.expected.multiplier, scene.expected.associated_multiplier) == (COULOMB[number], ASSOCIATED[number])

@@ -23,7 +23,7 @@ from la_core.measures.mechanism import moving, sliding_share
 from la_core.model.assembly import assemble
 from la_core.scene.variants import variant
 
-SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this
+SHARP = 1e-5  # of the reaction: at sharp edges both models differ only by their tolerances
 WITHOUT_SLIDING = ("arch_spreading", "arch_settling", "arch_diagonal", "two_pads", "trilith", "slab_four_corners", "vault_spreading")
 WITH_SLIDING = ("wall_low_friction", "wall_tall", "stack_bond_wall", "dome_sector", "corner_settling_end", "ferris_tin_loi_1")
 
@@ -53,17 +53,17 @@ def test_where_no_joint_slides_heymans_law_gives_the_same(name: str) -> None:
 
 @pytest.mark.parametrize("friction", [0.01, 0.02])
 def test_a_joint_that_slides_with_little_friction_slides(friction: float) -> None:
-    """Columns beside each other: a third of the weight. Dilatancy lifts them by a share of some mu squared, so the bound is off by it."""
+    """The settling column is a third of the weight. Dilatancy lifts it by a share of some mu squared, which is the error of the bound."""
     scene = variant("stack_bond_wall", {"joint.friction": friction})
     answer = analyse(scene)
     assert answer.assembly.effects.friction == "coulomb" and answer.coulomb is not None
     assert answer.coulomb.value == pytest.approx(scene.weight / 3.0, rel=1e-6)
-    assert answer.sharp.coulomb is None  # the bound for sharp edges is off by as much
+    assert answer.sharp.coulomb is None  # the bound for sharp edges has the same error
 
 
 @pytest.mark.parametrize("friction", [0.003, 0.01, 0.02])
 def test_a_right_value_is_met_with_little_friction(friction: float) -> None:
-    """Statics says half of the weight; the bound for sharp edges, which dilates, is not taken for the prediction."""
+    """By statics the reaction is half of the weight. The bound for sharp edges, which dilates, does not replace the prediction."""
     expected = {"reaction_over_weight": 0.5, "tolerance": 1e-6, "kind": "exact"}
     (check,) = check_expected(analyse(variant("two_blocks", {"joint.friction": friction, "expected": expected})))
     assert check.verdict is Verdict.EXPECTED_MET
@@ -71,7 +71,7 @@ def test_a_right_value_is_met_with_little_friction(friction: float) -> None:
 
 @pytest.mark.parametrize("name", WITH_SLIDING)
 def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
-    """A dome's lunes are wedged by dilatancy in every associated mechanism and slide without it: elastic steps find that."""
+    """Dilatancy wedges a dome's lunes in every associated mechanism. Without it they slide, as elastic steps find."""
     effects = decided_model(scenes.shipped(name)).assembly.effects
     assert effects.friction == "coulomb" and effects.elasticity == "plateau"
     assert "the joint between" in effects.reasons["friction"]
@@ -79,7 +79,7 @@ def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
 
 @pytest.mark.parametrize("friction", [0.4, 0.6])
 def test_where_the_support_leaves_alone_no_joint_slides_in_the_mechanism_but_one_does_on_the_way(friction: float) -> None:
-    """A wall over its settling middle: joints that dilate hold it up, so that no block moves and its velocities are noise."""
+    """The middle of a wall's base settles. Dilating joints hold the wall up, so that no block moves and the velocities are noise."""
     wall, _ = scenes.wall(9, 6)
     roles = ("fixed", "support", "fixed")
     footing = [scenes.box(f"footing {k}", (1.2 * k, 0.0, -0.2), (1.2 * k + 1.2, 0.3, 0.0), role) for k, role in enumerate(roles)]
@@ -93,7 +93,7 @@ def test_where_the_support_leaves_alone_no_joint_slides_in_the_mechanism_but_one
 
 @pytest.mark.parametrize("settlement", [scenes.DOWN, (0.6, 0.0, -1.0)])
 def test_where_the_support_leaves_alone_friction_decides_nothing(settlement: tuple[float, ...]) -> None:
-    """A reaction of zero is known to a share of the weight, not of its own rounding errors; sharp edges then have a prediction."""
+    """A reaction of zero is known to a share of the weight, not of its own rounding errors. Sharp edges then have a prediction."""
     scene = scenes.build(*scenes.wall(3, 2, split=1.1), inset=0.001, settlement=settlement, model="auto")
     answer = analyse(scene)
     assert answer.assembly.effects.friction == "none-slides"
@@ -102,7 +102,7 @@ def test_where_the_support_leaves_alone_friction_decides_nothing(settlement: tup
 
 
 def test_a_motion_without_power_does_not_slide_by_its_rounding_errors() -> None:
-    """A lintel turns about the edge below its centroid: neither its weight nor friction does work, and their quotient is noise."""
+    """A lintel turns about the edge below its centroid. Neither its weight nor friction does work, so that their ratio is noise."""
     parts = [
         scenes.box("fixed pad", (0.0, 0.0, 0.0), (1.0, 1.0, 0.2), "fixed"),
         scenes.box("pad", (1.5, 0.0, 0.0), (2.0, 1.0, 0.2), "support"),
@@ -134,7 +134,7 @@ def test_a_wall_without_sliding_is_another_structure() -> None:
 
 
 def test_a_joint_within_two_per_cent_of_sliding_counts_as_sliding() -> None:
-    """The arch's sliding limit is bracketed by its own bound: below it the reaction needs more than the mechanism of hinges."""
+    """The arch's bound brackets the friction at which it slides: below this friction the reaction exceeds that of the hinge mechanism."""
     free = solve_associated(assemble(arch(0.9, model="none-slides")), Drive.YIELDING).value
     low, high = 0.2, 0.9
     while high - low > 1e-3:
@@ -160,7 +160,7 @@ def test_friction_is_left_out_only_where_that_changes_nothing(friction: float, t
 
 
 def test_blocks_that_are_lifted_off_do_not_slide_by_rounding_errors() -> None:
-    """Once the load is the weight, the joints hold no energy, and any rounding error of friction's work would be large beside it."""
+    """Once the load equals the weight, the joints store no energy, and any rounding error of friction's work would exceed it."""
     ground = scenes.box("ground", (0.0, 0.0, -0.1), (1.0, 0.2, 0.0), "fixed")
     blocks = scenes.box("lower", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), scenes.box("upper", (0.1, 0.0, 0.5), (0.8, 0.2, 1.0))
     answer = analyse(scenes.build(ground, *blocks, inset=0.001, live=(0.0, 0.0, 1.0), model="auto"))
@@ -174,7 +174,7 @@ def test_friction_stays_where_the_strain_of_the_joints_keeps_the_value_from_the_
     assembly, stiffness = problem(scenes.shipped("arch_spreading"))
     bound = solve_associated(assembly, Drive.YIELDING)
     assert not look_for_sliding(assembly, stiffness, bound, 0.0).found
-    monkeypatch.setattr(sliding, "SAME_VALUE", 0.0)  # nothing is as near as that
+    monkeypatch.setattr(sliding, "SAME_VALUE", 0.0)  # no value is that near to the bound
     search = look_for_sliding(assembly, stiffness, bound, 0.0)
     assert search.found and "strain of the joints" in search.reason
 
@@ -183,7 +183,7 @@ def test_friction_stays_where_the_strain_of_the_joints_keeps_the_value_from_the_
 def test_sharp_edges_have_a_value_where_that_of_rounded_ones_is_the_bound_beyond_doubt(
     apart: float, uncertainty: float, is_known: bool
 ) -> None:
-    """apart, uncertainty: of the prediction, in what still counts as one value."""
+    """apart: prediction less bound; uncertainty: of the prediction; both over the difference within which two values are one."""
     analysis = analyse(scenes.shipped("arch_spreading"))
     assert analysis.coulomb is not None
     one = SAME_VALUE * analysis.bounds[Drive.YIELDING].value
@@ -196,14 +196,14 @@ def test_sharp_edges_have_a_value_where_that_of_rounded_ones_is_the_bound_beyond
 
 @pytest.mark.parametrize(("shear", "energy"), [(4.0, 2.875), (0.0, 2.25)])
 def test_the_energy_of_joints_is_that_of_their_springs(shear: float, energy: float) -> None:
-    """Normal forces 3 and 0 on springs of 2, friction 1 and 2 on springs of 4: half of 9/2 + 5/4. Without friction no shear spring."""
+    """Normal forces 3 and 0 on springs of 2, friction 1 and 2 on springs of 4: half of 9/2 + 5/4. A shear stiffness of 0 adds nothing."""
     joints: Any = SimpleNamespace(normal=2.0, shear=shear)
     state: Any = SimpleNamespace(joints=SimpleNamespace(force=np.array([[3.0, 1.0], [0.0, 2.0]])))
     assert sliding._energy(joints, state) == pytest.approx(energy)
 
 
 def test_the_joint_that_is_said_to_slide_is_the_one_that_dissipates_most() -> None:
-    """Of two blocks that slide alike the heavier one has a fifth of the friction coefficient: 2 * 0.1 against 1 * 0.5."""
+    """Two blocks slide at one velocity. The heavier one has a fifth of the friction coefficient: 2 * 0.1 against 1 * 0.5."""
     parts = [scenes.box(name, (x, 0.0, 0.0), (x + 0.5, 0.5, size)) for name, x, size in (("heavy", 0.0, 0.4), ("light", 1.0, 0.2))]
     ground = scenes.box("ground", (-1.0, 0.0, -0.2), (3.0, 0.5, 0.0), "fixed")
     smooth = scenes.table("[friction]", between=["heavy", "ground"], friction=0.1)

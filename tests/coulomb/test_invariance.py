@@ -1,4 +1,4 @@
-"""What must not matter to a prediction: stiffness, units, order, mirror, frame; and what is remembered."""
+"""A prediction depends neither on stiffness and units nor on order, mirror and frame. It does depend on the history of friction."""
 
 from functools import cache
 
@@ -7,13 +7,13 @@ import pytest
 import scenes
 from coulomb_problems import DIGIT, PLATEAU, SCENES, STRAIN, UNSLIDING, answer, bounds, great_wall, problem, small_wall, value
 
-HALF = 3e-2  # relative: under the right half more joints slide, and soft joints slide later
+HALF = 3e-2  # relative: more joints slide where the right half settles, and soft joints slide later
 SAME = 1e-3  # relative: the same problem in another order of blocks or another frame; the iteration amplifies round-off
 
 
 @cache
 def unmoved(name: str, plane: bool | str = "auto") -> float:
-    """What a structure carries as it is built."""
+    """Value of a structure in its own units, order and frame."""
     return value(SCENES[name](plane=plane))
 
 
@@ -74,7 +74,7 @@ def test_joints_without_shear_stiffness_carry_the_frictionless_reaction() -> Non
 
 
 def test_wedging_is_remembered_and_stays_within_the_interval() -> None:
-    """Pushed against its settlement first, the wall holds more at rest, and joints keep friction of that history."""
+    """A wall that was first pushed against its settlement has a greater reaction at rest, and its joints keep friction of that history."""
     scene = small_wall()
     stiffness = problem(scene)[1]
     _, plain = answer(scene)

@@ -1,4 +1,4 @@
-"""Few equations keep a joint from sliding as well as those of all its points."""
+"""Few independent equations keep a joint from sliding as well as the equations of all its points."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def with_every_point(assembly: Assembly, monkeypatch: pytest.MonkeyPatch) -> Sca
 
 @pytest.mark.parametrize("plane", [True, False])
 def test_few_equations_stop_all_points_of_a_joint(plane: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their null space is that of all points' equations."""
+    """Both sets of equations have the same null space."""
     scene = scenes.build(*scenes.wall(3, 2, 0.6), plane=plane, model="none-slides", inset=0.01)
     assembly = assemble(scene)
     kinematics = assembly.kinematic_matrix(assembly.length)

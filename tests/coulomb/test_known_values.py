@@ -1,4 +1,4 @@
-"""Values of friction that does not dilate that are known otherwise: closed forms, other programs, cases without sliding."""
+"""Known values of friction without dilatancy: closed forms, values of other programs, cases without sliding."""
 
 import math
 from dataclasses import replace
@@ -27,19 +27,19 @@ from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
 
-PUBLISHED = 3e-3  # relative: other iterations to the same state, printed to five digits
+PUBLISHED = 3e-3  # relative: the authors iterate otherwise to the same state, and print five digits
 
 
 @in_plane_and_3d
 @pytest.mark.parametrize("mu", [0.2, 0.6, 0.8])
 @pytest.mark.parametrize(("columns", "courses", "settling"), [(2, 1, 1), (5, 4, 2), (6, 5, 3)])
 def test_stack_bonded_wall_does_not_hang_on_its_neighbour(columns, courses, settling, mu, plane) -> None:
-    """Nothing presses the head joint, so the settling columns weigh W_mov on their base; associated friction says W_mov/(1 + mu^2)."""
+    """No force presses the head joint, so the reaction is the settling weight W_mov; for associated friction it is W_mov/(1 + mu^2)."""
     parts = scenes.wall(columns, courses, (columns - settling) * 0.4, block_size=(0.4, 1.0, 0.2), bond="stack")
     share = settling / columns
     assembly, solution = answer(scenes.build(*parts, friction=mu, plane=plane))
     assert solution.value / assembly.weight == pytest.approx(share, rel=STRAIN)
-    assert solution.interval[0] / assembly.weight == pytest.approx(share / (1.0 + mu**2), abs=DIGIT)  # a pressed joint might hold it
+    assert solution.interval[0] / assembly.weight == pytest.approx(share / (1.0 + mu**2), abs=DIGIT)  # a pressed joint might carry some
     assert solution.interval[1] / assembly.weight == pytest.approx(share, abs=DIGIT)
 
 
@@ -83,11 +83,11 @@ def block_on_plane(height: float, azimuth: float, mu: float = 0.6, tilt: float =
 @pytest.mark.parametrize("azimuth", [math.radians(degrees) for degrees in (0, 10, 30, 45, 72, 135, 200, 290)])
 @pytest.mark.parametrize("height", [0.5, 2.5])
 def test_block_on_a_plane_slides_or_tips_whatever_the_azimuth(height, azimuth) -> None:
-    """lambda = min(mu, b/h) across an edge, as in associated friction; exact, and so is its interval."""
+    """lambda = min(mu, b/h) across an edge, as for associated friction. The value is exact, and so is its interval."""
     critical = min(0.6, 1.0 / height / max(abs(math.cos(azimuth)), abs(math.sin(azimuth))))
     scene = block_on_plane(height, azimuth)
     assert value(scene) == pytest.approx(critical, rel=1e-5)
-    assert bounds(scene) == pytest.approx([critical, critical], rel=UNSLIDING)  # slip's direction is known to 0.01 rad
+    assert bounds(scene) == pytest.approx([critical, critical], rel=UNSLIDING)  # the direction of slip is known to 0.01 rad
 
 
 @pytest.mark.parametrize("azimuth", [0.0, 0.5, 2.0])
@@ -99,7 +99,7 @@ def test_inclined_plane(azimuth) -> None:
 
 @pytest.mark.parametrize(("mu", "side"), [(0.6, 1.0), (1.2, 0.4)])
 def test_torsion_of_a_square_joint_on_its_four_corners(mu, side) -> None:
-    """T = mu N a / sqrt(2), by a moment about the joint's normal as live load."""
+    """T = mu N a / sqrt(2). The live load is a moment about the joint's normal."""
     assembly, stiffness = problem(
         scenes.build(
             scenes.box("base", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), "fixed"),
@@ -117,7 +117,7 @@ def test_torsion_of_a_square_joint_on_its_four_corners(mu, side) -> None:
 
 @in_plane_and_3d
 def test_the_curve_of_a_push_is_over_the_mean_displacement_of_what_it_pushes(plane) -> None:
-    """A block on springs at its edges carries its own mass on its top: it shears, and rocks by the moment of both over the springs."""
+    """A block on springs at its edges carries a mass equal to its own on its top. It shears its springs and rocks by both moments."""
     breadth, height = 0.5, 0.7
     ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (breadth, 0.3, height))
@@ -156,7 +156,7 @@ def test_one_block_on_its_support_weighs_what_it_weighs(plane) -> None:
 
 @in_plane_and_3d
 def test_a_support_that_carries_nothing_leaves_no_reaction(plane) -> None:
-    """The block tips neither way: the settling base leaves it."""
+    """The fixed base carries the block without tipping, and the settling base leaves it."""
     block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
     assembly, solution = answer(scenes.build(*scenes.base(0.7, 1.0), block, plane=plane))
     assert solution.at_rest > 0.1 * assembly.weight
@@ -165,7 +165,7 @@ def test_a_support_that_carries_nothing_leaves_no_reaction(plane) -> None:
 
 @pytest.mark.parametrize("mu", [0.001, 0.01, 0.02, 0.03])
 def test_little_friction_that_is_left_out_is_in_the_uncertainty(mu: float) -> None:
-    """A block sinks along a held one, which nothing presses: R = W. Below some friction its slip counts as none, and R is W/(1 + mu^2)."""
+    """No force presses the block to the wall along which it sinks: R = W. For little friction its slip counts as none: R = W/(1 + mu^2)."""
     wall = scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed")
     pad = scenes.box("pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support")
     scene = scenes.build(wall, pad, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=mu, model="auto")

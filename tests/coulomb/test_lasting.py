@@ -1,4 +1,4 @@
-"""An end of a path lasts: it is followed past the next point that closes, opens or slides, where its value still changes."""
+"""A path is followed past the next contact point that closes, opens or slides, until such a change leaves its value unchanged."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +15,7 @@ from la_core.model.joints import joint_stiffness
 
 
 def test_a_gap_that_closes_after_the_curve_is_flat_is_awaited() -> None:
-    """Stiffer joints leave narrower gaps, which close within the first travel: only the strain on the way differs."""
+    """Stiffer joints leave narrower gaps, which close within the first travel. Only the strain on the way differs."""
     stones = scenes.table("[rubble]", origin=(0.0, 0.0, 0.0), size=(2.2, 0.9), depth=0.4, stones=12, seed=30, flatness=1.7)
     ground = scenes.box("ground", (0.0, 0.0, -0.3), (1.032151, 0.4, 0.0), "fixed")
     turning = scenes.box("turning", (1.032151, 0.0, -0.3), (2.2, 0.4, 0.0), "support")
@@ -51,7 +51,7 @@ def test_a_force_that_still_changes_is_followed_until_its_contact_point_gives_wa
 
 
 def extrapolated(displacement: list[np.ndarray], force: list[np.ndarray]) -> float:
-    """Next change of contact points with mu = 0.5 that go on as from progress 3, with these displacements and forces, to progress 5."""
+    """Progress of the next change of contact points with mu = 0.5, from their displacements and forces at progress 3 and 5."""
     before, last = (
         SimpleNamespace(progress=progress, joints=SimpleNamespace(displacement=motion, force=forces))
         for progress, motion, forces in zip((3.0, 5.0), displacement, force, strict=True)
@@ -62,7 +62,7 @@ def extrapolated(displacement: list[np.ndarray], force: list[np.ndarray]) -> flo
 
 
 def test_only_an_open_point_that_closes_without_the_joints_strain_is_awaited() -> None:
-    """Points, in turn: open and closing, pressed, overlapping without force, parting, and closing no faster than strain may."""
+    """The points in turn: open and closing, pressed, overlapping without force, parting, and closing no faster than by strain."""
     gap, closed = np.array([0.3, 0.2, -0.1, 0.1, 0.001]), np.array([0.1, 0.1, 0.1, -0.1, 0.9 * lasting.LEAST_CLOSING])
     force = np.array([[0.0, 0.0], [1.0, 0.0], *[[0.0, 0.0]] * 3])
     before, last, faster = (np.column_stack([one, np.zeros(5)]) for one in (gap + 2.0 * closed, gap, gap - 2.0))
@@ -72,7 +72,7 @@ def test_only_an_open_point_that_closes_without_the_joints_strain_is_awaited() -
 
 @pytest.mark.parametrize(("times", "until"), [(0.9, np.inf), (1.1, 5.0 + 0.5)])
 def test_a_force_below_what_a_residual_may_be_is_none_that_could_vanish(times: float, until: float) -> None:
-    """It loses twice itself per progress."""
+    """The force falls by twice its last value per unit of progress."""
     last, still = np.array([[times * ACCEPTED_RESIDUAL, 0.0]]), np.zeros((1, 2))
     assert extrapolated([still, still], [5.0 * last, last]) == pytest.approx(until)
 
@@ -109,7 +109,7 @@ def test_an_end_lasts_where_nothing_changes_in_time_or_has_changed_without_effec
 
     end, flat = lasting.Lasting(latest=10.0), lasting.FLAT
     assert not look(end, 2.0, 0.5)  # a point changes its state at 9
-    assert not look(end, 8.0, 0.5)  # not yet, so nothing is known
+    assert not look(end, 8.0, 0.5)  # that change is still to come, so nothing is known
     assert look(end, 9.5, 0.7)  # another value, but the next change comes too late
     assert look(end, 16.0, 0.7 * (1.0 + 0.9 * flat))
     changes = iter([4.0, 5.0, 6.0])

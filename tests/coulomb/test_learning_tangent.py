@@ -1,4 +1,4 @@
-"""A factorised tangent that learns from the moves made with it, and the steps of smooth joints that keep one."""
+"""A factorised tangent learns from the moves made with it, and the steps of smooth joints keep it."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def wrong_tangent(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_one_move_teaches_the_slope_of_one_unknown() -> None:
-    """A tangent that is 2.5 times too stiff, and half of its first move: the next one leads to the solution."""
+    """The tangent is 2.5 times too stiff, and half of its first move is made. The next move leads to the solution."""
     learning = LearningTangent(lambda right: right / 5.0, np.array([1.0]))
     assert learning.move == pytest.approx(0.2)
     assert learning.learn(0.5, np.array([1.0 - 2.0 * 0.1]))
@@ -45,7 +45,7 @@ def test_it_maps_the_change_of_the_forces_to_the_move_that_made_it(share) -> Non
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_it_solves_a_linear_problem_in_twice_as_many_moves_as_unknowns(seed) -> None:
-    """As Broyden's method does on every linear problem (D. M. Gay, SIAM J. Numer. Anal. 16, 1979)."""
+    """Broyden's method does so on every linear problem (D. M. Gay, SIAM J. Numer. Anal. 16, 1979)."""
     matrix, near, right = wrong_tangent(seed)
     learning = LearningTangent(lambda forces: np.linalg.solve(near, forces), right)
     found, alone = np.zeros(SIZE), np.zeros(SIZE)

@@ -1,4 +1,4 @@
-"""An analysis tells its bounds before its prediction, and ends with them where only they are requested."""
+"""An analysis reports its bounds before its prediction, and ends with the bounds where only they are requested."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from la_core.limit import Drive, Status
 
 
 class Heard:
-    """A listener that remembers."""
+    """A listener that keeps every report."""
 
     def __init__(self) -> None:
         self.found: list[LimitAnalysis | PathProgress] = []
@@ -44,7 +44,7 @@ def test_bounds_are_told_before_the_prediction_and_are_those_of_the_answer(name:
 
 @pytest.mark.parametrize("name", ["wall_third", "wall_low_friction"])
 def test_paths_that_are_followed_on_are_half_of_the_work_from_the_start(name: str) -> None:
-    """Two paths with finite rotations follow the first two."""
+    """Two paths with finite rotations continue the first two."""
     heard = Heard()
     coulomb = analyse(scenes.shipped(name), listener=heard).coulomb
     assert coulomb is not None and np.isfinite(coulomb.released)
@@ -82,7 +82,7 @@ def test_an_answer_of_python_takes_a_listener() -> None:
 
 @pytest.fixture
 def nothing_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever begins a prediction fails."""
+    """The beginning of a prediction raises an error."""
 
     def predicted(*arguments: object) -> None:
         raise AssertionError("a prediction was begun")

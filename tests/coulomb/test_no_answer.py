@@ -1,4 +1,4 @@
-"""What a prediction states where there is no answer, or an uncertain one."""
+"""A prediction states no value where there is no answer, and says so where its answer is uncertain."""
 
 import math
 from dataclasses import replace
@@ -37,7 +37,7 @@ def in_a_slot(direction: tuple[float, ...], height: float = 0.5, friction: float
 
 
 def locked(scene: Scene) -> CoulombSolution:
-    """The prediction for a structure whose bound must lock."""
+    """Prediction for a structure without a bound, because its blocks lock as they dilate."""
     assembly, stiffness = problem(scene)
     bound = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     assert bound.status is Status.UNBOUNDED
@@ -46,7 +46,7 @@ def locked(scene: Scene) -> CoulombSolution:
 
 @pytest.mark.parametrize("friction", [0.3, 0.45])
 def test_a_block_that_is_pulled_aslant_out_of_a_slot_slides_up_one_wall(friction: float) -> None:
-    """It presses the wall with N = lambda W / sqrt 2 and slides up it: lambda W / sqrt 2 = W + mu N. Dilating, it would lock."""
+    """The block presses the wall with N = lambda W / sqrt 2 and slides up: lambda W / sqrt 2 = W + mu N. A dilating block would lock."""
     solution = locked(in_a_slot((1.0, 0.0, 1.0), friction=friction))
     assert solution.status is Status.SOLVED
     assert solution.value == pytest.approx(2.0**0.5 / (1.0 - friction), rel=PLATEAU)
@@ -55,7 +55,7 @@ def test_a_block_that_is_pulled_aslant_out_of_a_slot_slides_up_one_wall(friction
 
 
 def test_a_block_that_is_pushed_along_a_channel_slides_on_its_bed_and_one_wall() -> None:
-    """In space: mu (W + lambda sin a W) = lambda cos a W for a push at the angle a to the channel, which locks a block that dilates."""
+    """In space: mu (W + lambda sin a W) = lambda cos a W for a push at the angle a to the channel. A dilating block would lock."""
     scene = scenes.build(*slot(depth=1.0), friction=0.5, inset=0.001, live=(0.5, 1.0, 0.0), plane=False, model="coulomb")
     solution = locked(scene)
     assert solution.value == pytest.approx(0.5 / (1.0 - 0.25) * 1.25**0.5, rel=PLATEAU)
@@ -65,7 +65,7 @@ def test_a_block_that_is_pushed_along_a_channel_slides_on_its_bed_and_one_wall()
 def test_a_block_that_is_lifted_out_of_a_slot_by_its_pad_weighs_on_it() -> None:
     scene = scenes.build(*lifted_pad(), friction=0.5, inset=0.001, settlement=(0.0, 0.0, 1.0), model="coulomb")
     solution = locked(scene)
-    assert solution.status is Status.SOLVED and solution.value == pytest.approx(-scene.weight, rel=PLATEAU)  # against the motion
+    assert solution.status is Status.SOLVED and solution.value == pytest.approx(-scene.weight, rel=PLATEAU)  # opposes the motion
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_iteration_that_fails_leaves_no_value(monkeypatch) -> None:
 
 
 def test_slip_that_may_choose_between_bed_joints_does_not_touch_the_value() -> None:
-    """Every bed joint of this wall slides at lambda = mu: slip wanders between them, so the answer may be called inaccurate."""
+    """Every bed joint of this wall slides at lambda = mu. The slip wanders from joint to joint, so the answer may be called inaccurate."""
     assembly, stiffness = problem(scenes.build(*scenes.wall(4, 3), live=(1.0, 0.0, 0.0)))
     solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE))
     assert solution.status in (Status.SOLVED, Status.INACCURATE)
@@ -157,7 +157,7 @@ def test_any_friction_is_answered_or_called_inaccurate(mu) -> None:
 
 
 def test_blocks_that_fall_on_the_way_leave_no_value() -> None:
-    """A flat arch that slides out of its abutments: the drag of the path would hold it at any load, which is no answer."""
+    """A flat arch slides out of its abutments. The drag of the path would hold it at any load, so no load is an answer."""
     arch = variant("flat_arch", {"joint.friction": 0.4})
     assembly, stiffness = problem(arch)
     associated = solve_associated(assembly, Drive.YIELDING)

@@ -14,7 +14,7 @@ from la_core.coulomb.sharp_path import follow
 
 
 class UnevenJoints(ElasticJoints):
-    """Joints that were laid thicker than drawn, by `thicker` (C,) over the travel."""
+    """Joints that were laid thicker than drawn; `thicker` (C,) is the difference over the travel."""
 
     thicker: np.ndarray
 
@@ -58,4 +58,4 @@ def test_one_thicker_joint_leads_to_another_limit_state_within_the_bounds() -> N
     even, uneven = (joints.value_in_units(path.plateau.value) for path in found)
     least, greatest = (bound.value for bound in analysis.at_inset.bounds.values())
     assert even == pytest.approx(coulomb.value, rel=1e-3)
-    assert least < uneven < greatest and uneven > 0.6 * coulomb.value  # both are negative: less than 0.6 of the size
+    assert least < uneven < greatest and uneven > 0.6 * coulomb.value  # both are negative: uneven has less than 0.6 of the size

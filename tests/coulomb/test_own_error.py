@@ -1,4 +1,4 @@
-"""The error that a prediction states itself, and its certificate."""
+"""The uncertainty that a prediction states, and the certificate of its limit state."""
 
 import math
 from dataclasses import replace
@@ -42,7 +42,7 @@ def test_columns_that_nothing_presses_weigh_what_they_weigh_whatever_the_frictio
 
 @pytest.mark.parametrize(("mu", "split"), [(0.3, 1.6), (0.6, 1.6), (0.6, 1.2), (0.8, 1.2)])
 def test_stated_uncertainty_holds_against_finer_paths(mu, split) -> None:
-    """Viscosities and steps ten times finer; all 128 walls: tests/benchmarks/benchmark_friction.py."""
+    """The reference has a tenth of the viscosities and of the steps. All 128 walls: tests/benchmarks/benchmark_friction.py."""
     scene = great_wall(mu, split)
     assembly, solution = answer(scene)
     finer = PredictionSettings((1e-3, 1e-4), finer=10.0)
@@ -51,7 +51,7 @@ def test_stated_uncertainty_holds_against_finer_paths(mu, split) -> None:
 
 
 def test_uncertainty_of_a_value_beyond_its_bound_reaches_to_the_bound() -> None:
-    """A light post tips at b/h first, but so short a path ends while its drag holds it and the heavy block slides at mu."""
+    """A light post tips first, at b/h. This short path ends while drag still holds the post and the heavy block slides at mu."""
     grounds = (
         scenes.box("ground", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "fixed"),
         scenes.box("other", (5.0, 0.0, -0.2), (6.0, 1.0, 0.0), "fixed"),
@@ -78,7 +78,7 @@ def test_end_of_the_path_is_certified(name) -> None:
 
 
 def ended(value: float, worst: float) -> SimpleNamespace:
-    """What counts of a path that ends on a plateau, with its largest residual."""
+    """A made-up path that ends on a plateau of this value, with this largest residual."""
     certificate = SimpleNamespace(worst=worst)
     return SimpleNamespace(smooth_error=0.0, plateau=SimpleNamespace(value=value), end=SimpleNamespace(certificate=certificate))
 
@@ -88,7 +88,7 @@ def ended(value: float, worst: float) -> SimpleNamespace:
     [((1e-6, 1e-6), 1), ((1e-6, 1e-3), 0), ((1e-3, 1e-3), 1), ((math.nan, 1e-3), 1), ((1e-6, math.nan), 0)],
 )
 def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[float, float], chosen: int) -> None:
-    """An undefined residual proves nothing."""
+    """An undefined residual proves no limit state."""
     paths = [ended(0.3, one) for one in worst]
     alike = on_one_plateau(paths)
     assert alike[0] is paths[chosen] and len(alike) == 2
@@ -104,17 +104,17 @@ def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[f
         ([(0.2, 1e-3), (0.3, 1e-6), (0.2, 1e-3)], [2, 0]),
         ([(0.2, 1e-6), (0.2, 1e-6), (0.2, 1e-3)], [1, 0, 2]),
         ([(0.3, 1e-6), (0.2, 1e-6), (0.2, 1e-6), (0.3, 1e-6)], [3, 0]),  # the finest path decides
-        ([(0.3, 1e-6), (0.3, 1e-3), (0.2, 1e-3), (0.2, 1e-3)], [0, 1]),  # one of the two paths is enough
+        ([(0.3, 1e-6), (0.3, 1e-3), (0.2, 1e-3), (0.2, 1e-3)], [0, 1]),  # one of its two paths in a limit state is enough
     ],
 )
 def test_of_plateaus_with_as_many_paths_one_with_a_limit_state_counts(ends: list[tuple[float, float]], chosen: list[int]) -> None:
-    """Where blocks turn, their order decides which path has which axes: it must not decide whether there is an answer."""
+    """Where blocks turn, their order decides the axes of each path. It must not decide whether an answer exists."""
     paths = [ended(*end) for end in ends]
     assert on_one_plateau(paths) == [paths[i] for i in chosen]
 
 
 def test_paths_with_smooth_joints_are_on_one_plateau_however_far_apart() -> None:
-    """Their smoothing keeps them apart, not the structure."""
+    """The smoothing causes their difference, not the structure."""
     paths = [ended(0.3, 1e-3), ended(0.2, 1e-6)]
     assert on_one_plateau(paths) == [paths[1]]
     for path in paths:
@@ -124,7 +124,7 @@ def test_paths_with_smooth_joints_are_on_one_plateau_however_far_apart() -> None
 
 @pytest.mark.parametrize(("end", "mean"), [(0.303, 0.3), (0.3, 0.303)])
 def test_what_paths_differ_by_at_their_end_or_on_their_way_is_uncertain(end: float, mean: float) -> None:
-    """Both come to one plateau, which shows neither change nor scatter."""
+    """Both paths come to one plateau, without change or scatter."""
     coarse, fine = (SimpleNamespace(smooth_error=0.0, plateau=Plateau(*values, 0.0, 0.0, 1.0)) for values in ((end, mean), (0.3, 0.3)))
     assert stated_uncertainty(fine, [coarse, fine]) == pytest.approx(SAFETY * 0.003)
 
@@ -159,7 +159,7 @@ def test_paths_disagree_where_they_end_on_two_plateaus(values: tuple[float, ...]
 
 
 def test_paths_that_end_alike_are_as_uncertain_as_their_curve_and_their_steps() -> None:
-    """Steps leave 3e-4 of the value; a curve that scatters, or still changes, leaves what it does."""
+    """Steps leave an uncertainty of 3e-4 of the value. A greater scatter of the curve counts in its place."""
     for scatter, left in ((0.0, 3e-4 * 0.3), (5e-5, 3e-4 * 0.3), (5e-3, 5e-3), (math.nan, 3e-4 * 0.3)):
         path = SimpleNamespace(smooth_error=0.0, plateau=Plateau(0.3, 0.3, 0.0, scatter, 1.0))
         assert stated_uncertainty(path, [path, path]) == pytest.approx(left)
@@ -178,7 +178,7 @@ def test_paths_that_end_alike_are_as_uncertain_as_their_curve_and_their_steps() 
 def test_a_path_with_smooth_joints_is_uncertain_by_the_largest_of_what_its_smoothing_leaves(
     coarse: float, reached: float, law: float, left: float
 ) -> None:
-    """Two times what the paths or the law leave, five times the way to the limit state; their means say nothing."""
+    """Twice the difference of the paths or the error of the law, or five times the way to the limit state; means do not count."""
     ends = ((coarse, 0.5), (0.3, 0.3))
     paths = [SimpleNamespace(smooth_error=law, plateau=Plateau(*end, 0.0, 0.0, 1.0), values=np.array([0.9, reached])) for end in ends]
     assert stated_uncertainty(paths[1], paths) == pytest.approx(left)
@@ -191,14 +191,14 @@ def test_of_three_paths_with_smooth_joints_the_two_sharpest_say_what_is_uncertai
 
 
 def test_a_curve_that_is_not_flat_may_still_change_by_three_times_its_last_change() -> None:
-    """A flat one by as much as its last change; what scatters by more is as doubtful as it scatters."""
+    """A flat curve may change by its last change. A larger scatter is the doubt of either."""
     assert Plateau(0.3, 0.3, 1e-4, 0.0, 1.0).doubt == 1e-4
     assert Plateau(0.3, 0.3, 1e-3, 0.0, 1.0).doubt == pytest.approx(3e-3)
     assert Plateau(0.3, 0.3, 1e-3, 5e-3, 1.0).doubt == 5e-3
 
 
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
-    """A step across a jump, or a state in motion, is no limit state: its power balance misses."""
+    """A step across a jump, or a state in motion, is no limit state: its powers do not balance."""
     assembly, stiffness = problem(great_wall(0.6, 1.6))
     joints = ElasticJoints(assembly, stiffness)
     rest, _ = come_to_rest(joints, tangent := Tangent(joints))
@@ -212,7 +212,7 @@ def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
 
 
 BED = scenes.box("bed", (-1.0, 0.0, -0.1), (2.0, 0.5, 0.0), "fixed")
-ETA = 0.05  # of the weight at unit rate: a viscosity five times the greatest of a prediction
+ETA = 0.05  # drag at unit rate over the weight: a viscosity five times the greatest of a prediction
 BRAKED = {  # scene and exact value: a block pushed along a bed of friction 0.4; the column on a settling pad beside a fixed one
     "pushed": (lambda: scenes.build(BED, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.5, 0.5)), friction=0.4, live=(1.0, 0.0, 0.0)), 0.4),
     "settling": (lambda: scenes.shipped("two_blocks"), 0.5),
@@ -221,7 +221,7 @@ BRAKED = {  # scene and exact value: a block pushed along a bed of friction 0.4;
 
 @pytest.mark.parametrize("name", BRAKED)
 def test_the_drag_is_taken_out_of_the_value_to_its_last_digits(name: str) -> None:
-    """On a steady mechanism at unit rate the drag raises a multiplier by eta, and takes eta times the moving share off a reaction."""
+    """In a steady mechanism at unit rate the drag adds eta to a multiplier and takes eta times the moving share off a reaction."""
     make, exact = BRAKED[name]
     assembly, stiffness = problem(make())
     joints = ElasticJoints(assembly, stiffness)

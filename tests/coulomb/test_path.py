@@ -17,7 +17,7 @@ from la_core.coulomb.path.tangent import Tangent
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene
 
-VISCOUS = 1e-2  # viscosity in multiples of the weight: the drag of a structure that moves at unit rate is as many weights
+VISCOUS = 1e-2  # viscosity: drag of a structure that moves at unit rate, over its weight
 RISE = 1e-3  # of the reaction at rest: what an unconverged step may add to a falling curve
 
 
@@ -76,7 +76,7 @@ def test_path_that_breaks_off_is_shorter(monkeypatch) -> None:
 
 
 def test_the_multiplier_of_a_curve_is_without_the_drag() -> None:
-    """A block that slides on its bed at unit rate: its load bears friction and drag, and the curve tells friction alone."""
+    """A block slides on its bed at unit rate. Its load overcomes friction and drag, and the curve states friction alone."""
     bed, block = scenes.box("bed", (-5.0, 0.0, -1.0), (5.0, 0.2, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.2))
     assembly, stiffness = problem(scenes.build(bed, block, friction=0.4, inset=0.001, live=(1.0, 0.0, 0.0)))
     joints = ElasticJoints(assembly, stiffness)

@@ -34,7 +34,7 @@ def test_a_curve_that_drag_alone_lifts_above_its_plateau_has_no_peak() -> None:
 
 
 def test_a_settlement_has_no_peak_and_no_place_for_one_in_its_file(tmp_path: Path) -> None:
-    """The reaction of a settlement falls from rest: its greatest value is that at rest."""
+    """The reaction of a settlement falls from rest, so that its greatest value is the one at rest."""
     analysis = analyse(scenes.shipped("wall_third"))
     assert analysis.coulomb is not None and not len(analysis.coulomb.peak)
     assert not stored(analysis, tmp_path)[1]
@@ -59,6 +59,6 @@ def test_a_curve_counts_up_to_its_last_point_near_the_level() -> None:
     values = np.array([0.0, 3.0, 1.0, 2.0, 1.01, 5.0])
     assert peak_before(values, 1.0, 0.02) == 3.0
     assert peak_before(values, 1.0, 0.005) == 3.0
-    assert peak_before(np.array([0.0, 1.0, 4.0, 1.0, 5.0]), 1.0, 0.02) == 4.0  # it comes to the level twice
-    assert peak_before(values, 9.0, 0.1) == 5.0  # it never comes there
+    assert peak_before(np.array([0.0, 1.0, 4.0, 1.0, 5.0]), 1.0, 0.02) == 4.0  # the curve comes to the level twice
+    assert peak_before(values, 9.0, 0.1) == 5.0  # the curve never comes to the level
     assert peak_before(values, 0.0, 0.1) == -np.inf  # no point lies before the first one

@@ -1,4 +1,4 @@
-"""Reach: what the support's motion cannot touch may be set aside without any answer changing, and it is noticed where it may not."""
+"""Reach: blocks that the support's motion cannot affect are set aside and no answer changes. A guard refuses a wrong choice."""
 
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 from yade_scripts import case as yade_case
 
-HISTORY = 1e-2  # of the reaction: what friction's history next to blocks set aside may change on these walls
+HISTORY = 1e-2  # of the reaction: largest change by friction's history next to blocks set aside, on these walls
 
 SAME = 1e-9  # of the value: one and the same computation
 SOLVER = 1e-6  # of the weight: two solutions of one programme
@@ -69,7 +69,7 @@ def reaction(analysis: LimitAnalysis) -> float:
 
 
 def reduced(scene: Scene, layers: int) -> tuple[Assembly, Assembly]:
-    """The whole assembly, and the region with `layers` around it, taken without any guard."""
+    """The whole assembly, and the assembly reduced to the region with `layers` around it, without any guard."""
     whole = assemble(scene)
     return whole, reach.set_aside(whole, whole.blocks.free & ~reach.region(whole, layers))
 
@@ -150,12 +150,12 @@ def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
     whole, part = reduced(scene, 0)
     analysis = analyse(scene)
     wrong = predict(part, analysis.stiffness, analysis.bounds[Drive.YIELDING])
-    assert wrong.value < 0.9 * reaction(analysis)  # between blocks that cannot yield the wall hangs by friction
+    assert wrong.value < 0.9 * reaction(analysis)  # friction hangs the wall between blocks that cannot yield
     assert "on the support" in reach.why_not_valid(whole, part, wrong.twists, wrong.forces)
 
 
 def test_a_mechanism_that_comes_near_what_is_set_aside_refuses_the_region() -> None:
-    """A block at rest beside the blocks set aside, made to move by more than 5 % of the support's speed, and by less."""
+    """A block at rest beside the blocks set aside is made to move by more than 5 % of the support's speed, and by less."""
     part = analyse(end_settles())
     assert part.coulomb is not None
     whole, region, forces = assemble(part.scene), part.assembly, part.coulomb.forces
@@ -207,12 +207,12 @@ def test_a_part_that_cannot_stand_is_found_although_it_could_be_set_aside() -> N
     assert analysis.bounds[Drive.YIELDING].falling == ("overhang",)
     whole, part = reduced(scene, reach.LAYERS[0])
     assert part.aside[whole.blocks.names.index("overhang")]
-    answer = solve_associated(part, Drive.YIELDING)  # the region knows nothing of it
+    answer = solve_associated(part, Drive.YIELDING)  # the region does not contain the overhang
     assert answer.status is Status.SOLVED
     assert '"overhang"' in reach.why_not_valid(whole, part, np.full((len(whole.blocks), 6), np.nan), answer.forces)
 
 
-# --- when ----------------------------------------------------------------------------------------------------------------------
+# --- choice --------------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
@@ -224,7 +224,7 @@ def test_small_shipped_scenes_are_modelled_whole(name: str) -> None:
 
 @pytest.mark.parametrize(("per_course", "split", "most"), [(36, 7.0, 1), (36, 6.0, 0), (24, 3.2, 0)])
 def test_what_is_far_from_the_support_is_set_aside_where_it_is_enough(per_course, split, most) -> None:
-    """Beyond the reach lie 140 of 511 blocks, 112 of 511, and 20 of 343."""
+    """140 of 511 blocks lie beyond the reach, 112 of 511, and 20 of 343."""
     auto, asked = (scenes.build(*scenes.wall(per_course, 14, split=split), model="coulomb", reach=choice) for choice in ("auto", True))
     assembly = assemble(auto)
     assert len(reach.candidate_masks(auto, assembly, INSET)[0]) == most
@@ -265,7 +265,7 @@ def test_walls_that_may_meet_or_that_a_beam_joins_are_modelled_together(scene: S
 
 
 def test_a_fixed_block_joins_nothing_to_the_support() -> None:
-    """The same two walls stand on one ground, and lean against one pier."""
+    """The same two walls lean against one fixed pier between them."""
     pier = scenes.box("pier", (2.0, 0.0, 0.0), (2.5, 0.3, 0.6), "fixed")
     analysis = analyse(two_walls(0.5, pier))
     assert analysis.assembly.aside.any()

@@ -1,4 +1,4 @@
-"""What a release makes of paths that are made up: how far they go, which one counts, its value in N, and when nothing is known."""
+"""A release from made-up paths: their travels, the path that counts, its value in N, and the cases without a known value."""
 
 import math
 from types import SimpleNamespace
@@ -9,12 +9,12 @@ import pytest
 from la_core.coulomb import PredictionSettings, release
 from la_core.coulomb.plateau import Plateau
 
-UNIT = 200.0  # N: value of a scaled one
+UNIT = 200.0  # N: force of the scaled value 1
 LEAST_TRAVEL = 8.0  # of turning blocks
 
 
 def path(value: float = 0.3, travel: float = 5.0, worst: float = 0.0, iterations: int = 25, is_short: bool = False) -> Any:
-    """A path that turning blocks have followed to its end; it has taken ten iterations before they turned."""
+    """A made-up path of turning blocks at its end. Ten of its iterations came before the blocks turned."""
     return SimpleNamespace(
         plateau=Plateau(value, value, 0.0, 0.0, travel), end=SimpleNamespace(certificate=SimpleNamespace(worst=worst)),
         iterations=iterations, is_short=is_short, smooth_error=0.0,
@@ -22,7 +22,7 @@ def path(value: float = 0.3, travel: float = 5.0, worst: float = 0.0, iterations
 
 
 class Made:
-    """A release of paths that are made up, with an error of their forces (N), and blocks of a pace after one travel."""
+    """A release from made-up paths. error: of their forces, N; pace: of the fastest block after one travel."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *paths: Any, error: float = 0.0, pace: float = 1.0) -> None:
         self.turned: list[Any] = []
@@ -62,13 +62,13 @@ def test_the_coarse_path_alone_turns_its_axes_with_the_other_block(monkeypatch: 
 
 @pytest.mark.parametrize(("error", "is_doubtful"), [(0.0, False), (0.5, False), (0.6, True), (14.0, True)])
 def test_errors_of_forces_add_to_what_paths_leave_uncertain(error: float, is_doubtful: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The value is 0.3 of 200 N. Steps leave 3e-4 of it, 0.018 N, and more than 1 % of it, 0.6 N, is doubtful."""
+    """The value is 0.3 * 200 N = 60 N. Steps leave an uncertainty of 3e-4, 0.018 N. More than 1 %, 0.6 N, is doubtful."""
     found = Made(monkeypatch, path(), path(), error=error).found
     assert (found.value, found.uncertainty, found.is_doubtful) == (60.0, pytest.approx(0.018 + error), is_doubtful)
 
 
 def test_a_reaction_of_zero_is_doubtful_by_a_share_of_a_thousandth_of_the_weight(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thousandth of 200 N is 0.2 N; 1 % of it is 0.002 N, and a quarter 0.05 N."""
+    """A thousandth of the weight of 200 N is 0.2 N. An error above 1 % of it, 0.002 N, is doubtful; a quarter is 0.05 N."""
     for error, is_doubtful in ((0.0019, False), (0.0021, True), (0.049, True)):
         found = Made(monkeypatch, path(0.0), path(0.0), error=error).found
         assert (found.value, found.is_doubtful) == (0.0, is_doubtful)
@@ -84,7 +84,7 @@ def test_errors_of_forces_of_a_quarter_of_the_value_leave_it_unknown(monkeypatch
 def test_the_finest_path_in_a_limit_state_has_the_value_and_the_state(
     worst: tuple[float, float], value: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its mechanism is one of blocks that have turned."""
+    """Its mechanism is that of blocks that have turned."""
     paths = path(0.301, worst=worst[0]), path(0.3, worst=worst[1])
     made = Made(monkeypatch, *paths)
     assert made.found.value == UNIT * value and made.found.iterations == 30
@@ -98,7 +98,7 @@ def test_without_a_limit_state_the_value_is_unknown_however_well_the_paths_agree
 
 
 def test_a_path_that_cannot_go_on_or_ends_too_early_leaves_the_value_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The work of the paths so far counts, and no other path follows."""
+    """The iterations of the paths so far count, and no other path follows."""
     for second, iterations in ((None, 15), (path(iterations=17, is_short=True), 22)):
         made = Made(monkeypatch, path(), second, path())
         assert is_unknown(made.found) and made.found.iterations == iterations and len(made.turned) == 2

@@ -1,4 +1,4 @@
-"""A prediction with small rotations says what turning blocks release: its paths go on with finite ones."""
+"""A prediction with small rotations states the value after turning blocks release a thrust: its paths go on with finite ones."""
 
 import json
 import math
@@ -50,7 +50,7 @@ def test_paths_that_branch_off_end_where_those_from_rest_do() -> None:
 
 
 def test_the_way_so_far_is_shared() -> None:
-    """Both predictions together cost less than twice the one from rest, and the first travel is not followed again."""
+    """A prediction with its release takes fewer iterations than two from rest, because both follow the first travel together."""
     scene = drawn(45, SEED).scene
     both, small, finite = (predicted(la_core.variant(scene, {"effects.rotation": name})) for name in ("auto", "small", "finite"))
     assert small.iterations < both.iterations < small.iterations + finite.iterations - 100
@@ -64,7 +64,7 @@ def test_points_that_hardly_press_do_not_chatter() -> None:
 
 
 def test_points_that_stick_and_slip_in_turn_do_not_hold_up_a_prediction() -> None:
-    """Under two lintels on one column two points slide in turn: a path went on for 51,500 iterations, and its value was not certain."""
+    """Two points under two lintels on one column slide in turn. A path once took 51,500 iterations, and its value was uncertain."""
     scene = la_core.build(tomllib.loads(starter_text("zones")))
     both, small = predicted(scene), predicted(la_core.variant(scene, SMALL))
     assert both.iterations < small.iterations + 3000 < 5000
@@ -100,9 +100,9 @@ def test_the_prediction_itself_does_not_change() -> None:
 
 
 def test_where_the_value_after_a_release_stays_uncertain_a_path_in_finer_steps_is_asked_too() -> None:
-    """Both paths of this wall end at 343 N within 0.5 %, and finer steps where YADE does: one turn of the way decides."""
+    """Both paths of this wall end at 343 N within 0.5 %. A path in finer steps parts from them at one turn and ends where YADE does."""
     scene = drawn(47, 20261128).scene
-    yade = 0.011249 * scene.weight  # of comparison/gallery/third_verdicts.json, ± 0.15 %
+    yade = 0.011249 * scene.weight  # from comparison/gallery/third_verdicts.json, ± 0.15 %
     both, small = predicted(scene), predicted(la_core.variant(scene, SMALL))
     assert small.uncertainty < 0.01 * small.value < 0.1 * (yade - small.value)
     assert len(small.viscosities) == 2 and len(both.viscosities) == 3 and both.released_uncertainty > 0.01 * both.released
@@ -114,7 +114,7 @@ def test_where_the_value_after_a_release_stays_uncertain_a_path_in_finer_steps_i
 def test_a_finer_path_that_falls_leaves_no_value_and_one_without_an_end_does_not_count(
     falls: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The work of either counts; blocks that fall on one path leave no value, as where two paths are followed."""
+    """The iterations of every path count. Blocks that fall on one path leave no value, as with two paths."""
     made = []
 
     def follow(joints, *given):
@@ -140,7 +140,7 @@ def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
 @pytest.mark.parametrize(
     ("released", "doubts", "changed"),
     [
-        (1.004, (1e-4, 1e-4), False),  # within half a per cent, which a judge allows without any doubt
+        (1.004, (1e-4, 1e-4), False),  # within half a per cent, which a judge always allows
         (1.006, (1e-4, 1e-4), True),
         (0.994, (1e-4, 1e-4), True),
         (1.02, (0.015, 0.004), True),
@@ -152,7 +152,7 @@ def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
 def test_a_release_changes_a_value_by_more_than_half_a_per_cent_and_than_both_doubts(
     released: float, doubts: tuple[float, float], changed: bool, value: float, weight: float
 ) -> None:
-    """All are over the value, and over a thousandth of the weight where the value is less."""
+    """Change and doubts are over the value, or over a thousandth of the weight where the value is less."""
     size = max(abs(value), 1e-3 * weight)
     before, after = (doubt * size for doubt in doubts)
     coulomb = SimpleNamespace(value=value, released=value + (released - 1.0) * size, uncertainty=before, released_uncertainty=after)
@@ -221,7 +221,7 @@ def test_no_path_follows_one_whose_effort_ends_before_its_travel(monkeypatch: py
     assert cut.exhausted and coulomb.status is Status.SOLVED and math.isnan(coulomb.released)
 
 
-# --- what a user reads ------------------------------------------------------------------------------------------------------------
+# --- tables and files -------------------------------------------------------------------------------------------------------------
 
 
 def test_tables_and_json_have_the_value_after_a_release() -> None:

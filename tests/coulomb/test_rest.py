@@ -1,4 +1,4 @@
-"""How blocks come to rest under gravity: a light stone under a heavy block stays where friction can pinch it."""
+"""Blocks come to rest under gravity: a light stone under a heavy block stays in place where friction can pinch it."""
 
 import math
 from dataclasses import replace
@@ -21,11 +21,11 @@ from la_core.limit.problem import Drive
 from la_core.scene import Scene
 
 FRICTION = 0.6
-PINCHED_UP_TO = 2.0 * math.atan(FRICTION)  # slope, rad: a stone without weight between a level roof and a slope
+PINCHED_UP_TO = 2.0 * math.atan(FRICTION)  # rad: steepest slope at which friction pinches a weightless stone under a level roof
 
 
 def pinched_stone(slope: float, friction: float = FRICTION) -> Scene:
-    """A block with a corner that is a stone of its own, on a slope (rad), under a second block that is pushed away from the stone."""
+    """The corner of a lower block is a separate stone on a slope (rad). The block above is pushed away from the stone."""
     across = 0.1
     down = across * math.tan(slope)
     lower = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.5 - down), (1.0 - across, 0.5), (0.0, 0.5))
@@ -41,7 +41,7 @@ def pinched_stone(slope: float, friction: float = FRICTION) -> Scene:
 
 @pytest.mark.parametrize("slope", [20.0, 40.0, 50.0, 58.0])
 def test_a_stone_that_friction_can_pinch_comes_to_rest(slope: float) -> None:
-    """On a slope steeper than friction (31 degrees) the stone slips unless the block above presses it at once."""
+    """On a slope steeper than the friction angle (31 degrees) the stone slips unless the block above presses it at once."""
     assert math.radians(slope) < PINCHED_UP_TO
     joints = ElasticJoints(*problem(pinched_stone(math.radians(slope))))
     found, _ = come_to_rest(joints, Tangent(joints))
@@ -54,7 +54,7 @@ def test_a_stone_that_no_friction_can_pinch_has_no_equilibrium() -> None:
 
 
 def test_joints_that_slide_on_the_way_to_rest_keep_the_trace_of_weights_that_grow() -> None:
-    """A part of a dome: YADE has 0.0627 W at any speed, damping and stiffness; under all the weight at once it would be 0.0632 W."""
+    """A part of a dome: YADE finds 0.0627 W at any speed, damping and stiffness. All the weight at once would give 0.0632 W."""
     part = {
         "centre": [0.0, 0.0, 0.0], "radius": 2.4, "thickness": 0.436, "courses": 3, "lunes": 20, "embrace": 65.0, "oculus": 10.0,
         "sector": 90.0, "sides": "fixed", "support": [2, 2],
@@ -102,7 +102,7 @@ def test_a_load_against_the_push_holds_back_what_falls(
 
 
 def test_a_block_that_a_dead_load_carries_off_once_it_fails_has_no_multiplier() -> None:
-    """Pushed along y until friction gives way, it moves along x: the path bore 0.338, above its bound 0.300, or held it back with -83."""
+    """Pushed along y until it slides, the block moves along x. The path gave 0.338, above its bound of 0.300, or -83 to hold it back."""
     ground, block = scenes.box("ground", (-1.0, 0.0, -0.3), (5.0, 1.0, 0.0), "fixed"), scenes.box("dam", (0.0, 0.0, 0.0), (1.286, 1.0, 3.0))
     water = scenes.table("[load]", blocks=["dam"], at=(0.0, 0.5, 1.0), force=(44145.0, 0.0, 0.0))
     assembly, stiffness = problem(scenes.build(ground, block, water, friction=0.9, live=(0.0, 1.0, 0.0), plane=False))
@@ -118,7 +118,7 @@ def test_a_live_load_that_would_hold_blocks_back_has_no_value(monkeypatch) -> No
 
 
 def test_a_share_of_the_weights_scales_the_state() -> None:
-    """Elastic joints with friction are laid without force: half of the weights gives half of all forces."""
+    """Elastic joints with friction are laid without force, so that half of the weights causes half of all forces."""
     joints = ElasticJoints(*problem(pinched_stone(math.radians(20.0))))
     half, whole = (come_to_rest(one, Tangent(one))[0] for one in (joints.under(0.5), joints))
     assert half is not None and whole is not None
@@ -148,7 +148,7 @@ def test_a_step_that_never_converges_is_shortened_only_so_far(monkeypatch) -> No
 
 
 def test_a_stone_that_slips_out_as_the_weights_grow_falls() -> None:
-    """Each slope is too steep for friction alone, and nothing pinches the stone from above."""
+    """The slope is too steep for friction alone, and no block above pinches the stone."""
     ground = scenes.block("ground", "fixed", prism=(((-1.0, -0.2), (1.0, -0.2), (1.0, 0.0), (0.0, 1.0), (-1.0, 1.0)), (0.0, 0.2)))
     stone = scenes.block("stone", prism=(((0.5, 0.5), (1.0, 0.0), (1.0, 0.5)), (0.0, 0.2)))
     joints = ElasticJoints(*problem(scenes.build(ground, stone, friction=FRICTION, inset=0.001, live=(1.0, 0.0, 0.0), model="coulomb")))
@@ -156,7 +156,7 @@ def test_a_stone_that_slips_out_as_the_weights_grow_falls() -> None:
 
 
 def test_a_tiny_share_of_the_weights_has_friction_as_the_whole() -> None:
-    """What counts as round-off shrinks with the weights; else no stone would be held while they are small."""
+    """The threshold of round-off shrinks with the weights. Otherwise no stone would be held while the weights are small."""
     joints = ElasticJoints(*problem(pinched_stone(math.radians(20.0))))
     found, _ = come_to_rest(joints, Tangent(joints))
     assert found is not None
@@ -168,7 +168,7 @@ def test_a_tiny_share_of_the_weights_has_friction_as_the_whole() -> None:
 @pytest.mark.parametrize("smoothing", [0.0375, 0.00375])
 @pytest.mark.parametrize("slope", [20.0, 50.0, 58.0])
 def test_a_stone_that_fell_is_not_at_rest_on_smooth_joints_either(slope: float, smoothing: float) -> None:
-    """They creep for ever, so that the last step does not show it; large structures begin with them."""
+    """Smooth joints creep for ever, so that the last step does not show a fall. Large structures begin with smooth joints."""
     joints = ElasticJoints(*problem(pinched_stone(math.radians(slope))))
     found, _ = come_to_rest(joints, Tangent(joints), 0.0, smoothing)
     assert found is None or np.abs(found.blocks).max() < rest.FALLEN

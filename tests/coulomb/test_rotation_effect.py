@@ -1,4 +1,4 @@
-"""The effect of rotations: what a scene may ask for, and what its reason says of turning blocks."""
+"""The effect of rotations: the choices of a scene, and the reason that states the change by turning blocks."""
 
 import math
 from dataclasses import replace
@@ -60,7 +60,7 @@ def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: fl
     ],
 )
 def test_changes_of_a_value_that_is_hardly_anything_are_no_shares_of_it(released: float, doubt: float, words: str) -> None:
-    """A reaction of 2 N is judged by a thousandth of the weight, 24 N: 4 N more are 200 % of it, not 17 %."""
+    """A reaction of 2 N is judged by a thousandth of the weight, 24 N. A rise by 4 N is stated in N, not as 17 % of these 24 N."""
     analysis = analyse(la_core.variant(RELEASES, SMALL))
     assert analysis.coulomb is not None and 20.0 < 1e-3 * RELEASES.weight < 30.0
     values = {"value": 2.0, "uncertainty": 0.0, "interval": (1.0, 6.0), "released": released, "released_uncertainty": doubt}
@@ -78,7 +78,7 @@ def test_rotation_names_an_interval_without_a_width(ends: tuple[float, float], w
 
 
 def test_an_interval_of_round_off_is_a_point() -> None:
-    """It was "3.1e-09 of the value"."""
+    """Its width was once stated as "3.1e-09 of the value"."""
     analysis = analyse(RELEASES)
     assert analysis.coulomb is not None
     value = analysis.coulomb.value

@@ -1,8 +1,8 @@
-"""Bodies that slide have the forces of statics: one force polygon, because every sliding joint has its friction angle.
+"""Sliding bodies have the forces of statics: only one force polygon exists, because every sliding joint has its friction angle.
 
-Where blocks only translate and every joint that moves slides, its force leans by the angle of friction phi against the slip. Two such
+Where blocks only translate and every joint that moves slides, each force leans by the angle of friction phi against the slip. Two such
 forces and the weight balance each other in one way, so strain of the joints and friction's history cannot change the value. Dilatancy
-changes it only where it forbids the motion: then the associated bound is another number, which is derived here, too.
+changes the value only where it forbids the motion. The associated bound then differs and is derived here, too.
 """
 
 import math
@@ -23,7 +23,7 @@ def prism(name: str, profile: list[tuple[float, float]], role: str = "free") -> 
 
 
 def holds(scene: Scene, value: float, bound: float, drive: Drive = Drive.YIELDING) -> None:
-    """Prediction and associated bound; reactions over W."""
+    """Check the prediction and the associated bound; reactions are over W."""
     assembly, solution = answer(scene)
     unit = 1.0 if drive is Drive.LIVE else assembly.weight
     assert solution.value / unit == pytest.approx(value, rel=STRAIN)
@@ -92,7 +92,7 @@ def test_a_keystone_between_skewbacks_of_two_slopes() -> None:
 def test_a_panel_clamped_by_a_rod_between_panels_that_slide_freely(lifts: float, sign: float) -> None:
     """A rod of tension P presses three panels together; their footings have no friction, so both head joints carry all of P.
 
-    The middle one sinks with its pad: R = W - 2 mu P. It is lifted: the pad bears W + 2 mu P, and R is minus that, as the pad moves up.
+    The middle one sinks with its pad: R = W - 2 mu P. When lifted, it loads the pad by W + 2 mu P; R is minus that, as the pad rises.
     """
     friction, tension, weight = 0.6, 4000.0, 0.3 * 2000.0 * 9.81
     scene = scenes.build(

@@ -93,9 +93,9 @@ def test_a_sharp_joint_remembers_the_friction_that_it_carries() -> None:
     [(10, 6, 2.8, 0.3), (10, 6, 2.0, 0.6), pytest.param(12, 8, 3.2, 0.8, marks=pytest.mark.slow)],
 )
 def test_large_structures_state_an_uncertainty_that_holds(per_course, courses, split, friction, monkeypatch) -> None:
-    """A wall that is small enough for sharp joints, predicted both ways.
+    """A wall that is small enough for sharp joints is predicted with sharp and with smooth ones.
 
-    On the last one two paths with a smoothing of 30 and 3 mean contact forces were 7 % too low, and agreed within 0.3 %.
+    On the last wall two paths with a smoothing of 30 and 3 mean contact forces were 7 % too low, but agreed within 0.3 %.
     """
     scene = scenes.build(*scenes.wall(per_course, courses, split=split), friction=friction)
     assembly = assemble(scene)
@@ -134,11 +134,11 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
 
 
 def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypatch) -> None:
-    """Where all rounds before the sixth are called bad, the sixth or a later one is found, with the value of the path."""
+    """All rounds before the sixth are made to count as bad. The sixth or a later one is found, with the value of the path."""
     certify, ended = certificate.certify, []
 
     def watched(path, tell):
-        calls = itertools.count()  # of the end of the path, then of one round after the other
+        calls = itertools.count()  # at the end of the path, then after each round
 
         def late(*state):
             found = certify(*state)
@@ -172,7 +172,7 @@ def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
 
 @pytest.mark.parametrize(("doubt", "apart", "paths"), [(0.05, 0.0, 2), (0.0, 0.02, 3), (0.0, 0.0, 2)])
 def test_a_third_path_follows_where_a_sharper_one_would_help(doubt, apart, paths, monkeypatch) -> None:
-    """doubt: of what the curves of both paths leave open; apart: their difference; both over the value."""
+    """doubt: uncertainty that the curves of both paths leave; apart: difference of the paths; both over the value."""
     original, made = prediction.follow_large, []
 
     def changed(*arguments):
@@ -200,7 +200,7 @@ def predicted_as_large(
 
 
 def test_a_path_ends_where_it_has_cost_as_much_again_as_its_travel(monkeypatch) -> None:
-    """Its plateau is said never to be known; it still becomes sharp and is certified. More effort allows more travel."""
+    """The plateau is made to stay unknown. The path still becomes sharp and is certified. More effort allows more travel."""
     monkeypatch.setattr(plateau, "EARLY", -1.0)
     monkeypatch.setattr(followed_path, "AGAIN", 0.1)
     travels = []
@@ -208,7 +208,7 @@ def test_a_path_ends_where_it_has_cost_as_much_again_as_its_travel(monkeypatch) 
         found = predicted_as_large(monkeypatch, 1, settings=PredictionSettings(effort=more * PredictionSettings.effort))
         assert found.status is Status.SOLVED
         travels.append(found.travel / (1.0 + followed_path.SHARPENED))
-    assert 1.0 < travels[0] < travels[1] < 64.0  # without the limit 64
+    assert 1.0 < travels[0] < travels[1] < 64.0  # 64 without the limit
 
 
 def test_paths_side_by_side_give_the_answer_of_paths_in_turn(monkeypatch) -> None:
@@ -234,7 +234,7 @@ def test_who_ends_one_path_ends_all(threads, monkeypatch) -> None:
 
 
 def test_a_structure_whose_sharp_path_is_cut_short_gets_smooth_joints(monkeypatch) -> None:
-    """The first path is said to have ended before its travel: no other follows, and the answer is that of smooth joints."""
+    """The first path is made to end before its travel. No other sharp path follows, and the answer is that of smooth joints."""
     scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, scene.yade), solve_associated(assembly, Drive.YIELDING)

@@ -93,12 +93,12 @@ def test_far_axis_is_a_translation() -> None:
 
 @pytest.mark.parametrize("name", ["wall", "crossing beams", "live load"])
 def test_mechanism_does_not_dilate(name) -> None:
-    """At sliding loaded points the opening is elastic; the associated mechanism parts there at mu |u_t|."""
+    """Loaded points that slide open only elastically. In the associated mechanism they open at mu |u_t|."""
     assembly, solution = answer(SCENES[name]())
     associated = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
 
     def opening(twists: np.ndarray, forces: np.ndarray) -> float:
-        """Greatest opening where points slide under load, over the fastest sliding."""
+        """Greatest opening rate of points that slide under load, over the greatest sliding rate."""
         velocity = assembly.relative_velocity(twists)
         parting = np.sum(velocity * assembly.normal, axis=1)
         slip = np.linalg.norm(velocity - parting[:, None] * assembly.normal, axis=1)
@@ -112,7 +112,7 @@ def test_mechanism_does_not_dilate(name) -> None:
 
 @pytest.mark.parametrize("name", ["wall", "crossing beams", "live load"])
 def test_work_of_the_weights_goes_into_the_support_and_friction(name) -> None:
-    """Weights and live load put in what the support takes out and friction dissipates."""
+    """The work of the weights and the live load is the work taken by the support plus the dissipation by friction."""
     assembly, solution = answer(SCENES[name]())
     velocity = assembly.relative_velocity(solution.twists)
     slip = velocity - np.sum(velocity * assembly.normal, axis=1)[:, None] * assembly.normal
@@ -150,7 +150,7 @@ def test_the_width_of_an_interval_is_over_the_value_or_over_a_thousandth_of_the_
 @pytest.mark.parametrize("live", [False, True], ids=["settlement", "live load"])
 @pytest.mark.parametrize("side", [0, 1], ids=["low", "high"])
 def test_an_end_that_nothing_limits_is_infinite_on_its_own_side(side: int, live: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A programme without an admissible velocity does not limit the force: the other end stays what it is."""
+    """A programme without an admissible velocity does not limit its end. The other end keeps its value."""
     given: dict[str, Any] = {"settlement": None, "live": (1.0, 0.0, 0.0)} if live else {}
     scene = scenes.build(*scenes.wall(4, 3, split=None if live else 0.8), friction=0.6, **given)
     _, usual = answer(scene)
@@ -172,14 +172,14 @@ def test_an_end_that_nothing_limits_is_infinite_on_its_own_side(side: int, live:
         ([(0.9, 1.2), (0.9, 1.2), (0.9, 1.2)], (0.9, 1.2)),
         ([(0.9, math.inf), (0.9, math.inf), (0.9, math.inf)], (0.9, math.inf)),
         ([(0.9, 1.2), (0.9, 1.22), (0.9, 1.2)], None),  # it moves with the threshold
-        ([(0.9, 1.2), (0.9, 1.2), (0.88, 1.2)], None),  # and with the mechanism
-        ([(1.1, 1.2), (1.1, 1.2), (1.1, 1.2)], None),  # it does not hold the value, 1.0
+        ([(0.9, 1.2), (0.9, 1.2), (0.88, 1.2)], None),  # it moves with the mechanism
+        ([(1.1, 1.2), (1.1, 1.2), (1.1, 1.2)], None),  # it does not contain the value, 1.0
     ],
 )
 def test_an_interval_that_is_not_sure_is_not_stated(
     ends: list[tuple[float, float]], stated: tuple[float, float] | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Ends by both thresholds for the first of two mechanisms, then for the second; they may differ by 1 % of the value."""
+    """ends: by both thresholds for the first of two mechanisms, then for the second; they may differ by 1 % of the value."""
     found = iter(ends)
     monkeypatch.setattr(interval, "joint_rates", lambda *_: None)
     monkeypatch.setattr(interval, "reaction_interval", lambda *_: next(found))
@@ -191,7 +191,7 @@ def test_an_interval_that_is_not_sure_is_not_stated(
 
 @pytest.mark.parametrize("mu", [0.2, 0.6])
 def test_interval_of_a_reaction_of_zero_is_stated_although_its_ends_are_rounded(mu: float) -> None:
-    """A block that hangs in a dovetail stays when the pad below it leaves: no history of friction gives another reaction than 0."""
+    """A block that hangs in a dovetail stays when the pad below it leaves. Every history of friction gives a reaction of 0."""
     slot = [[-1, 0], [-0.2, 0], [-0.4, 0.5], [0.4, 0.5], [0.2, 0], [1, 0], [1, 1], [-1, 1]]
     tail = [[-0.2, -1], [0.2, -1], [0.2, 0], [0.4, 0.5], [-0.4, 0.5], [-0.2, 0]]
     bodies = [

@@ -1,4 +1,4 @@
-"""Stiffness of the joints: its laws, what a scene may ask for in its place, and how it reaches YADE."""
+"""Stiffness of the joints: its laws, the values that a scene may set in its place, and its transfer to YADE."""
 
 import dataclasses
 from pathlib import Path
@@ -24,7 +24,7 @@ SHIPPED = ("two_pads", "trilith", "arch_spreading", "flat_arch", "slab_four_corn
 
 
 def slab(**options: object) -> Scene:
-    """A block on two pads, placed alike about its centroid; none of them settles under a live load."""
+    """A block on two pads in mirror places about its centroid. Under a live load no pad settles."""
     pads = (held.replace("support", "fixed") for held in HELD) if "live" in options else HELD
     return scenes.build(*pads, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), density=1e4, **options)
 
@@ -54,7 +54,7 @@ ALONG, ACROSS = (0.49, 0.11), (0.09,)  # m: distances of the points from the mid
 
 
 def sway_about(arms: tuple[float, ...], points: int, normal: float) -> float:
-    """Sway of the slab: it shifts by weight over all springs, and turns by moment over springs times arms^2."""
+    """Sway of the slab, m: its shift, weight over all springs, plus its turn, moment over springs times arms^2."""
     height, turning = 0.25, points * np.mean(np.square(arms))  # its weight acts sideways at half its height
     return float(MASS * 9.81 / normal * (1.0 / points + height**2 / turning))
 
@@ -72,7 +72,7 @@ def sway_about(arms: tuple[float, ...], points: int, normal: float) -> float:
     ],
 )
 def test_a_block_on_two_pads_sways_about_the_shorter_axis_of_its_base(options: dict[str, Any], arms: tuple[float, ...]) -> None:
-    """The plane of x and z is its mirror. It sways along it, and across it only where the drive has a part along y."""
+    """The plane of x and z is the block's mirror. The block sways along this plane, and across it only if the drive has a part along y."""
     found, points = stiffness(slab(inset=0.01, **options)), 4 if options["plane"] else 8
     assert found.sway == pytest.approx(sway_about(arms, points, found.normal), rel=2e-3)
 
@@ -94,7 +94,7 @@ def test_a_load_beside_the_mirror_of_a_block_makes_it_sway_across(force: Point, 
 
 
 def test_a_block_that_settles_as_a_whole_may_sway_both_ways() -> None:
-    """It has two mirrors. No direction is left if both count, so neither does."""
+    """The structure has two mirrors. If both counted, no direction would be left, so neither counts."""
     pad = scenes.box("pad", (-0.1, 0.0, -0.2), (0.3, 1.0, 0.0), "support")
     parts = (pad, scenes.box("tower", (0.0, 0.0, 0.0), (0.2, 1.0, 2.0)))
     one, other = (stiffness(scenes.build(*parts, inset=0.01, plane=plane)) for plane in (True, False))
@@ -103,7 +103,7 @@ def test_a_block_that_settles_as_a_whole_may_sway_both_ways() -> None:
 
 @pytest.mark.parametrize("angle", [10.0, 45.0, 77.0, 123.0])
 def test_a_wall_in_any_direction_sways_along_itself(angle: float) -> None:
-    """Its mirror stands along it, whatever the axes are."""
+    """The wall's mirror runs along the wall, for any axes."""
     one = wall(plane=False)
     turned = scenes.moved(one, scenes.rotation((0.0, 0.0, 1.0), np.radians(angle)), (30.0, -70.0, 2.0), plane=False)
     assert ratios(stiffness(one), stiffness(turned))[-1] == pytest.approx(1.0, rel=1e-3)
@@ -183,7 +183,7 @@ def test_where_nothing_is_held_there_is_no_stiffness_but_an_answer(tmp_path: Pat
     assert analysis.bounds[analysis.main].status is Status.INFEASIBLE
 
 
-# --- what a scene asks for ---------------------------------------------------------------------------------------------------
+# --- values set by a scene ---------------------------------------------------------------------------------------------------
 
 
 def test_what_a_scene_asks_for_is_what_it_gets() -> None:

@@ -1,4 +1,4 @@
-"""Strain and depth are left out where the answer does not follow them, and it is noticed where it would."""
+"""Strain and depth are left out where the answer does not depend on them. Checks notice where it would."""
 
 import dataclasses
 
@@ -81,7 +81,7 @@ def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> Non
 def test_strain_goes_with_friction_and_with_a_path(
     friction: str, path: str, law: str, elasticity: str, why_friction: str, why_strain: str
 ) -> None:
-    """What only an answer or a run can leave out is modelled until then."""
+    """Effects that only an answer or a run can show to be needless are modelled until then."""
     effects = assemble(scenes.load(scenes.text(*scenes.wall(3, 2, 0.6), model=friction) + path)).effects
     assert (effects.friction, effects.elasticity, effects.sliding_excluded) == (law, elasticity, friction == "none-slides")
     assert why_friction in effects.reasons["friction"] and why_strain in effects.reasons["elasticity"]
@@ -105,7 +105,7 @@ def test_the_plane_answer_is_an_answer_in_space(name: str) -> None:
 
 
 def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
-    """A slab on four corners of which one settles: seen from the side, the corner behind it bears in its place."""
+    """One of the four corners under a slab settles. In the plane model the corner behind it bears in its place."""
     scene = scenes.shipped("slab_four_corners")
     space, flat = assemble(scene), forced_flat(scene)
     answers = [solve_associated(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
@@ -117,7 +117,7 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
 
 
 def test_a_plane_answer_that_breaks_the_friction_law_breaks_it_in_space() -> None:
-    """Two level forces of half a weight against each other at one joint are in balance; in space each is shared by two points."""
+    """Two opposite level forces of half a weight at one joint are in balance. In space two points share each of them."""
     analysis = analyse(scenes.shipped("two_pads"))
     assembly, answer = analysis.assembly, analysis.main_answer
     pair = np.flatnonzero(assembly.points.interface == assembly.points.interface[0])

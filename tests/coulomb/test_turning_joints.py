@@ -65,7 +65,7 @@ def _finite(joints: ElasticJoints, blocks: np.ndarray, side: int) -> np.ndarray:
 
 
 def test_a_support_that_turns_about_an_axis_moves_its_contact_points_on_circles_about_it() -> None:
-    """Against a rotation matrix about the axis; half the motion leaves an eighth of the error."""
+    """Half the motion leaves an eighth of the error against a rotation matrix about the axis."""
     scene = drawn(10, SEED).scene
     assembly, stiffness = problem(scene)
     assert scene.support_twist is not None and scene.support_twist[4] != 0.0
@@ -145,7 +145,7 @@ def test_the_end_after_a_release_is_a_certified_limit_state_of_the_geometry_as_l
     for _ in path.advance_to(least_travel(joints)):
         pass
     end = certified_end(path, sharp_path.END_STRETCH * path.last.progress)
-    assert path.joints is joints  # the path could turn on
+    assert path.joints is joints  # the path is ready to turn on
     worst = certify(ElasticJoints(assembly, stiffness), end.before, end.last).worst
     assert worst == pytest.approx(end.certificate.worst) and worst <= ACCEPTED_RESIDUAL
 
@@ -160,7 +160,7 @@ def test_a_path_of_finite_rotations_goes_as_far_as_the_joints_it_stands_for() ->
 
 
 def test_the_requested_curve_is_that_of_the_joints_as_they_are() -> None:
-    """A release needs a rotation like the root of the strain: on softer joints it is later by the root of the stiffness."""
+    """The rotation at a release grows as the root of the strain. On softer joints a release is later by the root of the stiffness."""
     scene = la_core.variant(RELEASES, FINITE)
     assembly, stiffness = problem(scene)
     soft, stiff = follow_path(assembly, stiffness, 2.0 * stiffness.travel, 40), analyse(scene).coulomb
@@ -175,7 +175,7 @@ def test_the_requested_curve_is_that_of_the_joints_as_they_are() -> None:
 def test_smooth_joints_of_large_structures_release_the_same_thrust(
     number: int, seed: int, yade: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The uncertainty of smooth joints is that of their law, some per cent of a small structure."""
+    """The uncertainty of smooth joints comes from their law: some per cent of the value for a small structure."""
     monkeypatch.setattr(prediction, "LARGE", 0.0)
     scene = drawn(number, seed).scene
     coulomb = analyse(la_core.variant(scene, FINITE)).coulomb
@@ -185,7 +185,7 @@ def test_smooth_joints_of_large_structures_release_the_same_thrust(
 
 @pytest.mark.parametrize("stiffer", [1.0, 16.0, 64.0])
 def test_joints_of_a_given_stiffness_release_the_same_thrust(stiffer: float) -> None:
-    """The path is then that of these joints, with the whole second order; the level after a release does not depend on them."""
+    """The path is then that of these joints, with the whole second order; the level after a release does not depend on the stiffness."""
     own = stiffer * problem(RELEASES)[1].normal
     coulomb = analyse(la_core.variant(RELEASES, FINITE | {"yade.normal_stiffness": own, "yade.shear_stiffness": own})).coulomb
     assert coulomb is not None and coulomb.status is Status.SOLVED
@@ -215,7 +215,7 @@ def test_units_mirrors_turns_and_the_order_of_blocks_do_not_matter(space: bool) 
 
 
 def test_what_the_order_of_blocks_decides_is_in_the_uncertainty() -> None:
-    """Corners that meet lie on neither block's face. Axes that turn with one or the other end on levels 9 % apart, in YADE, too."""
+    """Corners that meet lie on neither block's face. Axes that turn with either block lead to levels 9 % apart, in YADE, too."""
     scene = drawn(94, SEED).scene
     backwards = scenes.moved(scene, order=range(len(scene.blocks))[::-1])
     one, other = (analyse(la_core.variant(each, FINITE)).coulomb for each in (scene, backwards))
@@ -253,7 +253,7 @@ def test_yade_covers_its_whole_travel_with_joints_as_stiff() -> None:
 @pytest.mark.slow
 @pytest.mark.yade
 def test_both_methods_release_the_thrust_over_the_same_settlements(tmp_path: Path) -> None:
-    """The curves, not only their ends: the reaction falls by 18 % from 0 to 0.25 mm, on joints 16 times as stiff."""
+    """The whole curves agree: the reaction falls by 18 % from 0 to 0.25 mm, on joints 16 times as stiff."""
     run = comparison.run(la_core.variant(RELEASES, FINITE), tmp_path, quiet=True)
     assert run.verdict == "agree" and run.summary["settings"]["stiffening"] == STIFFER
     assert run.summary["curves"]["until"] == pytest.approx(run.summary["settings"]["max_travel"], rel=1e-3)

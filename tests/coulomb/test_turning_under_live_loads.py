@@ -1,4 +1,4 @@
-"""Blocks that turn under a live load turn as far as in YADE, whose travel limits the fastest block, not the mean of all that is pushed."""
+"""Under a live load blocks turn as far as in YADE, whose travel limits the fastest block, not the mean of all pushed masses."""
 
 import math
 from pathlib import Path
@@ -22,7 +22,7 @@ MULTIPLIER = (WIDTH - 0.002) / HEIGHT  # at which it tips about its contact poin
 
 
 def tipping(heavier: float) -> Scene:
-    """A slender block that tips on a wide one so many times heavier, which stays."""
+    """A slender block tips on a wide block that stays. heavier: weight of the wide block over that of the slender one."""
     return scenes.build(
         scenes.box("ground", (-1.0, 0.0, -0.2), (1.0, 0.2, 0.0), "fixed"),
         scenes.box("wide", (-0.5, 0.0, 0.0), (0.5, 0.2, 0.2), density=2000.0 * heavier * WIDTH * HEIGHT / 0.2),
@@ -35,7 +35,7 @@ def tipping(heavier: float) -> Scene:
 
 
 def pace(heavier: float) -> float:
-    """Speed of the slender block, which tips about its lower edge, over the mean speed along the load of both weights."""
+    """Speed of the slender block's centroid, as it tips about its lower edge, over the mean speed of both weights along the load."""
     return (1.0 + heavier) * math.hypot(HEIGHT, WIDTH) / HEIGHT
 
 
@@ -52,7 +52,7 @@ def travels(scene: Scene, coulomb: CoulombSolution) -> float:
 
 @pytest.mark.parametrize("heavier", [0.5, 4.0])
 def test_blocks_turn_until_the_fastest_has_covered_the_travel(heavier: float) -> None:
-    """The heavier the block that stays, the less the mean motion when the other one has covered its travel."""
+    """The heavier the block that stays, the smaller the mean motion when the slender block has covered its travel."""
     scene = tipping(heavier)
     coulomb = predicted(scene)
     assert coulomb.value == pytest.approx(MULTIPLIER, rel=5e-3)
@@ -60,7 +60,7 @@ def test_blocks_turn_until_the_fastest_has_covered_the_travel(heavier: float) ->
 
 
 def test_a_light_block_covers_its_travel_before_the_mean_motion_covers_one() -> None:
-    """Its path goes on until the curve is flat, at most four times as far."""
+    """The path goes on until the curve is flat, at most four times as far."""
     scene = tipping(60.0)
     coulomb = predicted(scene)
     assert coulomb.value == pytest.approx(MULTIPLIER, rel=5e-3)
@@ -82,14 +82,14 @@ def test_joints_of_a_given_stiffness_turn_over_one_travel_of_the_fastest_block()
 
 
 def test_no_value_after_a_release_is_told_where_the_fastest_block_has_gone_too_far() -> None:
-    """By the end of the first travel of the mean it has gone 18 travels in this corner, and 5 in the other one."""
+    """By the end of the first travel of the mean motion, the fastest block has gone 18 travels in one corner and 5 in the other."""
     far, near = (la_core.variant(generated_scenes.drawn(number, 20261201).scene, {"effects.rotation": "auto"}) for number in (65, 95))
     assert np.isnan(predicted(far).released)
     assert predicted(near).released == pytest.approx(0.3828, rel=1e-3)
 
 
 def test_smooth_joints_of_large_structures_turn_as_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their joints become sharp on another three tenths of the way."""
+    """Smooth joints become sharp over another three tenths of the way."""
     monkeypatch.setattr(prediction, "LARGE", 0.0)
     scene = tipping(4.0)
     coulomb = analyse(scene).coulomb
@@ -115,8 +115,8 @@ def test_yade_pushes_as_far(tmp_path: Path) -> None:
     ],
 )
 def test_finite_rotations_lead_to_the_multiplier_of_yade(scene: Scene, measured: float) -> None:
-    """Measured over the travel of the fastest block, with joints 16 times as stiff. Over that of the mean motion the first two come to
-    0.453 and 0.263; with small rotations the last one has 0.4200.
+    """YADE measured over the travel of the fastest block, with joints 16 times as stiff. Over the travel of the mean motion the first two
+    scenes come to 0.453 and 0.263. With small rotations the last scene has 0.4200.
     """
     coulomb = predicted(la_core.variant(scene, {"effects.rotation": "finite"}))
     assert coulomb.value == pytest.approx(measured, rel=5e-3)
