@@ -34,7 +34,7 @@ def four_hinges(inset: float) -> tuple[float, tuple[int, ...]]:
     best, where = np.inf, (0,)
     for joints in itertools.combinations(range(VOUSSOIRS + 1), 4):
         for first in (0, 1):
-            sides = [(first + k) % 2 for k in range(4)]  # inner and outer edge by turns
+            sides = [(first + k) % 2 for k in range(4)]  # inner and outer edge in turn
             hinge = np.array([edges[side, k] for side, k in zip(sides, joints, strict=True)])
             for sense in (1.0, -1.0):
                 if (spins := spins_of(hinge, sense)) is None or not opens(spins, sides):
@@ -48,7 +48,7 @@ def four_hinges(inset: float) -> tuple[float, tuple[int, ...]]:
 def spins_of(hinge: np.ndarray, sense: float) -> np.ndarray | None:
     """Anticlockwise spins (3,) of the parts between four hinges (4, 2), the first of size 1; None where they jam."""
     a, b, c, d = hinge
-    # Velocity of hinge c by the middle part, from hinge b, and by the last part, which turns about hinge d: two equations.
+    # Two equations: the middle part, turning about hinge b, and the last part, turning about hinge d, give hinge c one velocity.
     moved_b = sense * turned(b - a)
     matrix = np.column_stack([turned(c - b), -turned(c - d)])
     if abs(np.linalg.det(matrix)) < 1e-9:

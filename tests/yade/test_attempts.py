@@ -1,4 +1,4 @@
-"""Which attempts a run in YADE makes, and what they come to: attempts that are made up, without YADE."""
+"""The choice of the attempts of a run in YADE, and their outcome: made-up attempts, without YADE."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -38,7 +38,7 @@ def ended(
     jump: float = 0.0,
     steps: int = STEPS,
 ) -> Any:
-    """How an attempt ends. unrest: its mean unbalanced force, of a block's weight; jump: its largest one."""
+    """A made-up attempt at its end. unrest: mean unbalanced force over a block's weight; jump: the largest one."""
     record = SimpleNamespace(
         rows=[SimpleNamespace(reaction=0.0)], jumps=lambda allowed: jump > allowed, rattles=lambda _, allowed: unrest > allowed
     )
@@ -53,7 +53,7 @@ STICKING, FALLING = {"status": STATUS.NO_PLATEAU}, {"status": STATUS.COLLAPSED}
 
 
 def scripted(script: Sequence[dict[str, Any]], chosen: list[tuple[float, settings.Settings]]) -> Callable[..., Any]:
-    """Return what makes attempts that end by a script, the last of it for all further ones; chosen: receives their pace and settings."""
+    """Return a maker of attempts that end by a script. Its last ending holds for all further ones. chosen: receives pace and settings."""
     endings: Iterator[dict[str, Any]] = iter(script)
     last: dict[str, Any] = {}
 
@@ -70,7 +70,7 @@ def scripted(script: Sequence[dict[str, Any]], chosen: list[tuple[float, setting
 
 
 def made(one: case.Case, *script: dict[str, Any]) -> tuple[list[Tried], Any]:
-    """Make attempts that end by a script; return their settings and what they came to."""
+    """Make attempts that end by a script; return their settings and their outcome."""
     chosen: list[tuple[float, settings.Settings]] = []
     outcome = attempts.make(one, settings.derive(one), scripted(script, chosen))
     return [(pace, now.stiffening, now.damping_ratio, now.swing_damping) for pace, now in chosen], outcome
@@ -103,8 +103,8 @@ CALM, CRITICAL = (2.0, 4.0, 0.3, 0.5), (2.0, 4.0, 1.0, 0.5)
         ([STICKING], [QUICK, CALM, (1.0, 4.0, 0.3, 0.5), (0.25, 4.0, 0.3, 0.5)]),
         ([RATTLING, {}], [QUICK, CALM, (1.0, 4.0, 0.3, 0.5)]),
         ([RATTLING, RATTLING, {}], [QUICK, CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),
-        ([RATTLING], [QUICK, CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # it has its damping, and goes on
-        ([{}, RATTLING, {}], [QUICK, OWN, CALM, (1.0, 4.0, 0.3, 0.5)]),  # a quick one again
+        ([RATTLING], [QUICK, CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # an attempt with all damping goes on
+        ([{}, RATTLING, {}], [QUICK, OWN, CALM, (1.0, 4.0, 0.3, 0.5)]),  # a quick attempt follows again
     ],
 )
 def test_an_attempt_follows_from_how_the_one_before_ended(wall: case.Case, script: list[dict[str, Any]], expected: list[Tried]) -> None:
@@ -116,13 +116,13 @@ def test_an_attempt_follows_from_how_the_one_before_ended(wall: case.Case, scrip
 @pytest.mark.parametrize(
     ("given", "script", "expected"),
     [
-        ({"speed": 1e-5}, [{"reaction": 110.0}, {}], [QUICK, OWN]),  # as fast as the scene says
+        ({"speed": 1e-5}, [{"reaction": 110.0}, {}], [QUICK, OWN]),  # no attempt is slower than the scene sets
         ({"normal_stiffness": 1e8}, [CREEPING], [2.0, 1.0]),
-        ({"wedging": 1e-6}, [CREEPING], [2.0, 1.0]),  # the thrust of a wedged structure is in proportion to its stiffness
+        ({"wedging": 1e-6}, [CREEPING], [2.0, 1.0]),  # the thrust of a wedged structure is proportional to its stiffness
         ({"damping_ratio": 0.3}, [RATTLING], [2.0, 1.0]),
         ({"swing_damping": 0.0}, [RATTLING, {}], [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),
-        ({"swing_damping": 0.0}, [{}, RATTLING, {}], [QUICK, OWN, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),  # a quick one again
-        ({"swing_damping": 0.5}, [RATTLING, {}], [CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # its dashpots are the program's to choose
+        ({"swing_damping": 0.0}, [{}, RATTLING, {}], [QUICK, OWN, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),  # quick again
+        ({"swing_damping": 0.5}, [RATTLING, {}], [CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # the program still chooses its dashpots
         ({"quick_speed": 0.0}, [{}], [OWN]),
     ],
 )
@@ -135,7 +135,7 @@ def test_what_the_scene_sets_itself_no_attempt_changes(
 
 
 def test_a_slender_structure_gets_time_in_place_of_a_damper(wall: case.Case) -> None:
-    """Its sway is slower than the damper's mean."""
+    """The mean velocity that the damper keeps would follow its slow sway."""
     slender = replace(wall, sway=100.0 * wall.sag)
     assert made(slender, STICKING)[0] == [QUICK, OWN, SLOW]
     assert made(slender, RATTLING, {})[0] == [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]
@@ -150,18 +150,18 @@ JUMPS = [JUMPING, JUMPING, JUMPING]
     ("blocks", "script", "expected"),
     [
         (13, [*JUMPS, {}], [*START, *SLOW_ONES]),
-        (13, [*JUMPS, JUMPING, {}], [*START, *SLOW_ONES]),  # at half of that speed it does not jump
+        (13, [*JUMPS, JUMPING, {}], [*START, *SLOW_ONES]),  # at half of that speed no block jumps
         (13, [*JUMPS, {}, JUMPING, {}], [*START, *SLOW_ONES, LAST]),
         (13, [*JUMPS, STICKING, CREEPING, {}], [*START, *SLOW_ONES, LAST]),
-        (13, [JUMPING, JUMPING, {}, {"jump": 0.6}], [*START, LAST]),  # that at the run's own speed is the last one
-        (13, [JUMPING, JUMPING, RATTLING, {}], [*START, LAST]),  # no single jump
-        (14, [*JUMPS, {}], [*START, LAST]),  # few blocks
+        (13, [JUMPING, JUMPING, {}, {"jump": 0.6}], [*START, LAST]),  # the attempt at the run's own speed is the last one
+        (13, [JUMPING, JUMPING, RATTLING, {}], [*START, LAST]),  # rattling is no single jump
+        (14, [*JUMPS, {}], [*START, LAST]),  # too few blocks
     ],
 )
 def test_where_one_of_many_blocks_jumps_in_spite_of_all_damping_slow_attempts_follow(
     wall: case.Case, blocks: int, script: list[dict[str, Any]], expected: list[tuple[float, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """blocks: free blocks that count as many."""
+    """blocks: least number of free blocks that counts as many."""
     monkeypatch.setattr(faults, "MANY", blocks)
     assert len(wall.free) == 13
     assert speeds(wall, *script) == [pytest.approx(one) for one in expected]
@@ -172,7 +172,7 @@ def test_where_one_of_many_blocks_jumps_in_spite_of_all_damping_slow_attempts_fo
     [
         (1.0, 2.0, 0.6, True),
         (1.0, 2.0, 0.4, False),
-        (1.0, 1.0, 0.6, False),  # that at the run's own speed goes on to its plateau
+        (1.0, 1.0, 0.6, False),  # an attempt at the run's own speed goes on to its plateau
         (0.3, 1.0, 0.6, True),  # more damping may follow
     ],
 )
@@ -198,7 +198,7 @@ def test_no_attempt_is_slow_without_the_damper_or_where_the_scene_sets_speed_or_
 def test_slow_attempts_are_made_where_four_times_the_steps_of_the_critical_one_are_affordable(
     wall: case.Case, share: float, expected: list[tuple[float, ...]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With the three before they take seven times as many steps as one of them. share: of the most time steps, which an attempt takes."""
+    """Together with the three before, they take seven times the steps of one. share: steps of an attempt over the most time steps."""
     monkeypatch.setattr(faults, "MANY", 1)
     steps = {"steps": int(share * settings.most_steps(len(wall.host)))}
     assert speeds(wall, *(JUMPING | steps for _ in range(3)), steps)[3:] == [pytest.approx(one) for one in expected]
@@ -213,7 +213,7 @@ def test_a_slow_attempt_that_took_long_is_the_last_one(wall: case.Case, monkeypa
 
 
 def test_a_slow_attempt_without_a_jump_has_the_part_of_the_speed(wall: case.Case, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The difference of attempts at a half and a quarter of the speed, over the root of their ratio less 1, with the noise of the first."""
+    """The part is the difference between a half and a quarter of the speed, over the root of 2 less 1, with the noise of the former."""
     monkeypatch.setattr(faults, "MANY", 1)
     _, outcome = made(wall, *JUMPS, {"reaction": 103.0}, {"reaction": 101.0})
     assert outcome.outcome.reaction == 101.0
@@ -265,7 +265,7 @@ def test_no_plateau_before_says_nothing_of_the_speed(wall: case.Case) -> None:
 def test_all_attempts_together_are_affordable_but_that_at_the_run_s_own_speed_is_made(
     wall: case.Case, ending: dict[str, Any], share: float, expected: list[Tried]
 ) -> None:
-    """share: of the most time steps, which an attempt takes."""
+    """share: steps of an attempt over the most time steps."""
     steps = int(share * settings.most_steps(len(wall.host)))
     tried, _ = made(wall, ending | {"steps": steps})
     assert tried == [*expected, (1.0, *expected[-1][1:])]
@@ -275,7 +275,7 @@ def test_all_attempts_together_are_affordable_but_that_at_the_run_s_own_speed_is
 def test_an_attempt_at_a_quarter_of_the_speed_is_made_where_four_times_the_steps_are_affordable(
     wall: case.Case, share: float, is_made: bool
 ) -> None:
-    """With the two before it takes six times as many steps as one of them. share: of the most time steps, which an attempt takes."""
+    """Together with the two before, it takes six times the steps of one. share: steps of an attempt over the most time steps."""
     steps = {"steps": int(share * settings.most_steps(len(wall.host)))}
     tried, _ = made(wall, {"reaction": 101.0} | steps, steps)
     assert tried == [QUICK, OWN, *([SLOW] if is_made else [])]

@@ -1,4 +1,4 @@
-"""What YADE's side makes of the fields of a case: it refuses a case that it cannot run, and names the field."""
+"""YADE's side reads the fields of a case. It refuses a case that it cannot run, and names the field."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -34,7 +34,7 @@ def pushed(tmp_path_factory: pytest.TempPathFactory) -> Fields:
 
 
 def fields_of(folder: Path, **options: Any) -> Fields:
-    """Fields of a case, with those that may be left out."""
+    """Fields of a case, optional ones included."""
     parts = [part.replace('"support"', '"fixed"') for part in PARTS] if "live" in options else PARTS
     write_case(folder / "case.h5", analyse(scenes.build(*parts, inset=0.001, **options)), "")
     own = exchange.present(folder / "case.h5", exchange.OWN_FIELDS)
@@ -47,7 +47,7 @@ def fields_of(folder: Path, **options: Any) -> Fields:
 
 
 def changed(data: Fields, field: str, value: Any, place: Any = None) -> Fields:
-    """The fields with another value in one of them, or in one place of it."""
+    """The fields with another value in one field, or at one place of that field."""
     if place is None:
         return data | {field: value}
     other = np.array(data[field], copy=True)
@@ -142,7 +142,7 @@ def test_the_settlement_is_an_angle_where_the_unit_motion_turns_and_never_under_
 
 
 def test_held_blocks_may_lack_a_density(settles: Fields) -> None:
-    """Their mass only has to exist; that of a free block, and one that is given, stays."""
+    """A held block without a density gets the mass 1 kg. Free blocks, and held ones with a density, keep their mass."""
     bare = case.from_fields(changed(settles, "blocks/mass", np.nan, FIXED))
     assert bare.mass.tolist() == [1.0, *settles["blocks/mass"][1:]]
     np.testing.assert_array_equal(bare.inertia[FIXED], np.eye(3))

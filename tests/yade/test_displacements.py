@@ -57,14 +57,14 @@ def test_arches_and_vaults_whose_bounding_boxes_overlap_come_out_small_in_any_po
 
 
 def test_two_held_blocks_and_blocks_with_a_joint_do_not_count() -> None:
-    """The halves of the base meet in an upright face, and every other pair within reach shares a joint."""
+    """The halves of the base meet in an upright face. Every other pair of blocks within reach shares a joint."""
     effects, _ = decided(scenes.build(*scenes.wall(2, 1, split=0.3), inset=0.001))
     assert effects.displacement == "small"
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_least_gap_is_never_more_than_the_distance_of_any_two_blocks(seed: int) -> None:
-    """Turned boxes over a floor: distances between points drawn from both are upper bounds of the true one."""
+    """Turned boxes stand over a floor. The distance of random points of two boxes is an upper bound of the distance of the boxes."""
     chance = np.random.default_rng(seed)
     box = np.array([(x, y, z) for x in (0.0, 0.2) for y in (0.0, 0.2) for z in (0.0, 0.2)])
     free = [box @ scenes.rotation((0.0, 0.0, 1.0), chance.uniform(0.0, 1.5)).T + (0.5 * k, chance.uniform(0.0, 0.1), 0.0) for k in range(4)]
@@ -110,7 +110,7 @@ def test_a_run_that_moved_its_blocks_by_half_the_least_gap_decides_nothing(share
 
 
 def test_a_turn_counts_with_the_size_of_its_block() -> None:
-    """The exact displacement of every vertex under a small turn is bounded, and nearly attained by one of them."""
+    """The bound is at least the exact displacement of every vertex, and at most the longest arm times the turn."""
     assembly = assemble(scenes.shipped("arch_spreading"))
     blocks, turn = assembly.blocks, 1e-3
     vertices = blocks.vertices[blocks.vertex_start[1] : blocks.vertex_start[2]] - blocks.centroid[1]

@@ -1,4 +1,4 @@
-"""The energy audit of a YADE run: by hand on a made-up one, and on real ones, where nothing may be lost or come from nowhere."""
+"""The energy audit of a YADE run: a made-up run by hand, and real runs, which must neither lose nor gain energy."""
 
 import dataclasses
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from la_core.model.assembly import Assembly, assemble
 CrossCheck = Callable[[str], CrossChecked]
 ADDS_UP = 1e-9  # relative: round-off
 ACCOUNTED = 5e-3  # of the turnover: forces between stored states are taken as the mean of both
-WEDGED = 2e-2  # the same where joints give up the thrust they were wedged in with before the second state is stored
+WEDGED = 2e-2  # the same where joints lose the thrust of their wedging before the second state is stored
 SINK, NORMAL, SHEAR = 1e-3, 2e6, 1e6  # m, N/m
 
 
@@ -32,7 +32,7 @@ def sliding_column() -> tuple[Assembly, float]:
 
 
 def made_up(assembly: Assembly, friction: float) -> Run:
-    """The settling side sinks rigidly while the upright joint carries `friction` up and as much across, shared by its points."""
+    """A run whose settling side sinks rigidly. The points of the upright joint share a force of `friction`, N, up and as much across."""
     names = assembly.blocks.names
     moving = np.array([k for k, role in enumerate(assembly.blocks.role) if role == SUPPORT] + [names.index("settling block")])
     joint = np.abs(assembly.normal[:, 0]) > 0.5
@@ -86,7 +86,7 @@ def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> 
 
 
 def test_a_reaction_that_swells_between_two_stored_states_works_by_its_mean() -> None:
-    """It rises and falls in a triangle over half of the way; each recorded row counts, also between the stored states."""
+    """The reaction rises and falls in a triangle over half of the way. Every recorded row counts, also between the stored states."""
     assembly, weight = sliding_column()
     run = made_up(assembly, 0.2 * weight)
     run.record.reaction[:] += 0.3 * weight * np.interp(run.record.settlement / SINK, [0.0, 0.125, 0.5], [0.0, 1.0, 0.0])
@@ -94,7 +94,7 @@ def test_a_reaction_that_swells_between_two_stored_states_works_by_its_mean() ->
 
 
 def test_energy_is_stored_across_and_along_the_joints_by_their_own_stiffness() -> None:
-    """The upright joint, which 16 N press and 16 N shear at rest, gives both up on the way."""
+    """At rest, 16 N press and 16 N shear the upright joint. Both forces vanish on the way."""
     assembly, _ = sliding_column()
     run = made_up(assembly, 16.0)
     points = int((np.abs(assembly.normal[:, 0]) > 0.5).sum())
@@ -102,7 +102,7 @@ def test_energy_is_stored_across_and_along_the_joints_by_their_own_stiffness() -
     found = audit(assembly, run)
     across, along = (points * 0.5 * (16.0 / points) ** 2 / stiffness for stiffness in (NORMAL, SHEAR))
     assert found.elastic == pytest.approx(-across - along)
-    assert found.viscous == pytest.approx(across)  # no point came nearer: all that was stored across is lost
+    assert found.viscous == pytest.approx(across)  # no point came nearer: all energy stored across the joint is lost
     assert found.friction == pytest.approx(
         0.75 * 16.0 * SINK + along
     )  # the force is 16 N over one half of the way, and falls over the other
@@ -119,7 +119,7 @@ def test_work_that_a_rising_block_takes_and_a_sinking_one_gives_is_turned_over_t
 
 
 def test_where_only_the_plateau_is_stored_the_balance_begins_there() -> None:
-    """Between rest and the plateau forces are known at two states that are far apart."""
+    """Between rest and the plateau, forces are known only at two states that are far apart."""
     assembly, weight = sliding_column()
     kept = dataclasses.replace(assembly, effects=assembly.effects.with_effect("recording", "plateau", "many states"))
     found = audit(kept, made_up(assembly, 0.2 * weight))
@@ -127,7 +127,7 @@ def test_where_only_the_plateau_is_stored_the_balance_begins_there() -> None:
 
 
 def test_the_load_works_by_its_mean_multiplier_between_two_states() -> None:
-    """Of a block that slides under a multiplier that rises from 0 to 0.4."""
+    """A block slides while its multiplier rises from 0 to 0.4."""
     ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
     assembly = assemble(scenes.build(ground, scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 0.4)), inset=1e-3, live=(1.0, 0.0, 0.0)))
     free = int(np.flatnonzero(assembly.blocks.free)[0])
@@ -138,11 +138,11 @@ def test_the_load_works_by_its_mean_multiplier_between_two_states() -> None:
     run = made_up_run({}, record | {"kinetic_energy": np.zeros(3)}, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
     found = audit(assembly, run)
     assert found.load == found.turnover == pytest.approx(0.2 * assembly.weight * SINK) and found.support == 0.0
-    assert found.drift == pytest.approx(1.0)  # no contact force took this work, and no motion holds it
+    assert found.drift == pytest.approx(1.0)  # neither contact forces nor kinetic energy took this work
 
 
 def test_a_block_that_turns_about_its_edge_loses_nothing_there() -> None:
-    """Its levers turn with it: with those of the undeformed geometry half of N height angle^2 would seem to be damped."""
+    """Its lever arms turn with it. With the undeformed geometry, half of N height angle^2 would seem to be damped."""
     ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 4.0))
     assembly, angle, force = assemble(scenes.build(ground, block, inset=1e-3, live=(1.0, 0.0, 0.0))), 3e-3, 1e3
@@ -168,19 +168,19 @@ def test_blocks_that_fall_are_named_as_the_cause() -> None:
 
 
 def test_forces_that_jump_between_stored_states_are_told_from_a_long_time_step() -> None:
-    """A joint sticks and slips: every tenth state finds it with 14 times its force, the others with none."""
+    """A joint sticks and slips: it has 14 times its force in every tenth state, and none in the others."""
     assembly, weight = sliding_column()
     run = made_up(assembly, 0.4 * weight)
     share, sticks = np.linspace(0.0, 1.0, 41)[:, None, None], np.where(np.arange(41) % 10 == 5, 14.0, 0.0)[:, None, None]
     last = {name: values[-1] for name, values in vars(run.poses).items()}
     moved = {name: share * last[name] for name in ("displacement", "rotation")}
     rough = Poses(settlement=SINK * share[:, 0, 0], forces=sticks * last["forces"], **moved)
-    rows = {name: np.repeat(values, 10, axis=0) for name, values in vars(run.record).items()}  # more than states
+    rows = {name: np.repeat(values, 10, axis=0) for name, values in vars(run.record).items()}  # more rows than states
     sparse = dataclasses.replace(run, poses=rough, record=dataclasses.replace(run.record, **rows))
     (check,) = check_energy(assembly, sparse)
     assert check.verdict is Verdict.INCONCLUSIVE and "the forces change so much that this balance is known to ±" in check.reason
     assert "[yade] poses" in check.next_step and "time_step" not in check.next_step
-    asked = {"poses": 1200, "record_rows": 1200}  # that advice was followed, and a block that springs moves past the rows themselves
+    asked = {"poses": 1200, "record_rows": 1200}  # that advice was followed, but a block springs even between two rows
     (check,) = check_energy(assembly, dataclasses.replace(sparse, settings={**run.settings, **asked}))
     assert "set [yade] record_rows and poses to ten times" in check.next_step
     (check,) = check_energy(assembly, dataclasses.replace(run, poses=rough))  # every row has its state: no more can be stored
@@ -194,7 +194,7 @@ def test_energy_from_nowhere_is_seen() -> None:
     (check,) = check_energy(assembly, louder)
     assert check.verdict is Verdict.INCONCLUSIVE and "not accounted for" in check.reason and "time integration" in check.reason
     assert check.difference == pytest.approx(-0.3 * 0.8 / (1.0 + 1.3 * 0.8))  # the support takes 0.8 of the weight's work, times 1.3
-    louder.poses.forces[-1] *= 1.05  # states that scatter by less than what is missing do not explain it
+    louder.poses.forces[-1] *= 1.05  # states that scatter by less than the missing energy do not explain it
     (check,) = check_energy(assembly, louder)
     assert "time integration" in check.reason
     (check,) = check_energy(assembly, made_up(assembly, 0.2 * weight))
@@ -221,14 +221,14 @@ def test_a_run_loses_no_energy_and_finds_none(name: str, accounted: float, cross
 
 
 def test_friction_takes_what_the_mechanism_says_it_takes(cross_checked: CrossCheck) -> None:
-    """On the way to the plateau and on it: the share of the settling weights' work is that of YADE's mechanism, within its transient."""
+    """From rest to the end, friction takes the share of the weights' work that YADE's mechanism states, but for the transient."""
     found = cross_checked("wall_third")
     energy, measures = audit(found.analysis.assembly, found.run), found.summary["mechanism_measures"]["yade"]
     assert energy.friction / energy.weights == pytest.approx(measures["dissipated_share"], rel=0.2)
 
 
 def test_the_report_s_energies_add_up(cross_checked: CrossCheck) -> None:
-    """What was put in is what it went to, with what is not accounted for named."""
+    """The work put in is the sum of its uses, with a row for the energy that is not accounted for."""
     summary = cross_checked("wall_third").summary
     rows = {row["name"]: row["joule"] for row in energies(summary)}
     shown = [words for name, words in ENERGIES.items() if name != "load"]

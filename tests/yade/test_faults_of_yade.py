@@ -1,4 +1,4 @@
-"""However YADE ends: one clear message, the right exit code, nothing half done, and the next call recovers."""
+"""However YADE ends, the command prints one clear message, has the right exit code and leaves nothing half done; the next call recovers."""
 
 import random
 import re
@@ -52,7 +52,7 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     said = capsys.readouterr().err
     assert said.count("YADE: failed") == 1 and word in said and "Traceback" not in said
     assert answer(copy)["yade"]["status"] == "failed" and answer(copy)["verdict"] == "inconclusive"
-    shutil.copy(undisturbed / "two_pads" / "run.h5", copy / "two_pads")  # in the place of another run in YADE, which gives the same
+    shutil.copy(undisturbed / "two_pads" / "run.h5", copy / "two_pads")  # replaces another run in YADE, which would give the same
     monkeypatch.delenv("CROSSCHECK_YADE_PYTHON")
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
     assert answer(copy) == answer(undisturbed)
@@ -63,7 +63,7 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
 def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(
     command: str, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`crosscheck doctor` finds nothing wrong with YADE then."""
+    """The advice is not `crosscheck doctor`, which would find no fault of YADE."""
     monkeypatch.setenv("CROSSCHECK_OUTPUT", str(tmp_path / "out"))
     scene = tmp_path / "two_pads.toml"
     scene.write_text(shipped.find("two_pads").read_text(encoding="utf-8") + "\n[yade]\ntime_step = 1e-3\n", encoding="utf-8")
@@ -106,7 +106,7 @@ def test_a_yade_that_hangs_while_it_loads_is_started_once_more(fake_python: Fake
 
     def started() -> None:
         if limits:
-            process.LOADING = limits.pop()  # of the second start
+            process.LOADING = limits.pop()  # limit of the second start
         else:
             go.touch()
 
@@ -117,7 +117,7 @@ def test_a_yade_that_hangs_while_it_loads_is_started_once_more(fake_python: Fake
 
 @pytest.mark.yade
 def test_a_yade_whose_report_waits_to_be_read_does_not_hang(fake_python: Fake, copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-Z stopped this program while YADE loaded; after `fg` a finished run was thrown away and started again."""
+    """Once Ctrl-Z stopped this program while YADE loaded. After `fg` it discarded the finished run and started another."""
     folder, starts = copy / "two_pads", []
     (folder / "run.h5").unlink()
     fake_python(f"echo 'progress {{}}'; exec {SYSTEM_PYTHON} \"$@\"")
@@ -125,7 +125,7 @@ def test_a_yade_whose_report_waits_to_be_read_does_not_hang(fake_python: Fake, c
 
     def started() -> None:
         starts.append("")
-        time.sleep(0.8)  # nothing is read
+        time.sleep(0.8)  # no report is read
 
     process.run_yade(installation.locate_yade(), folder, "", 600.0, lambda report: None, started)
     assert len(starts) == 1 and (folder / "run.h5").exists()
@@ -146,7 +146,7 @@ def test_a_yade_that_hangs_at_every_start_is_a_failed_tool(
 def test_a_yade_without_memory_is_a_failed_tool(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The real one, with less address space than its libraries take."""
+    """The real YADE has less address space than its libraries take."""
     fake_python(f'ulimit -v 300000; exec {SYSTEM_PYTHON} "$@"')
     assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
     assert capsys.readouterr().err.count("YADE: failed") == 1
@@ -231,13 +231,13 @@ def test_the_ladder_of_costs_without_yade_says_so(
 
 @pytest.fixture
 def dying(fake_python: Fake) -> Fake:
-    """YADE's interpreter replaced by one that dies at a moment."""
+    """YADE's interpreter replaced by one that dies at a given moment."""
     return lambda moment: fake_python(f'shift 2; exec {SYSTEM_PYTHON} -s -u {dying_yade.__file__} {moment} "$@"')
 
 
 @pytest.fixture
 def rows(dying: Fake, plain_figures: None, tmp_path: Path) -> int:
-    """How many rows the attempts of a run have together."""
+    """Number of rows of all attempts of a run together."""
     dying(dying_yade.NEVER)
     assert main(["run", "two_pads", "-o", str(tmp_path / "whole"), "-q"]) == 0
     return int((tmp_path / "whole" / "two_pads" / "rows").read_text())
@@ -285,7 +285,7 @@ def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figure
 
 
 def test_a_time_limit_beyond_what_a_timer_takes_is_no_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """`--time-limit 1e10` left the traceback of a thread on standard error, and nothing ended a YADE that hung."""
+    """`--time-limit 1e10` once left the traceback of a thread on standard error, and nothing ended a YADE that hung."""
     scripts, waits = tmp_path / "scripts", []
     scripts.mkdir()
     (scripts / "run_case.py").write_text("import pathlib, sys\npathlib.Path(sys.argv[2]).touch()\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""A structure in the grid of a country, far from the origin: YADE runs it in a frame near its blocks, and tells of it in its own."""
+"""A structure in a national grid, far from the origin: YADE runs it in a frame near its blocks and reports in the scene's frame."""
 
 from pathlib import Path
 from typing import Any
@@ -17,9 +17,9 @@ from la_core.scene.scene import Scene, load_scene
 from yade_scripts import case
 from yade_scripts.contacts.frame import about_old_origin, origin_near
 
-SURVEY = np.array([4.5e5, 5.4e6, 300.0])  # m: east, north and height in the grid of a country
+SURVEY = np.array([4.5e5, 5.4e6, 300.0])  # m: east, north and height in a national grid
 ROUND_OFF = 1e-8  # m: of coordinates as large as these
-HALF_PER_CENT = 5e-3  # of the reaction: what both methods promise
+HALF_PER_CENT = 5e-3  # of the reaction: promised accuracy of both methods
 PARTS = (
     scenes.box("pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
     scenes.box("settling pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
@@ -44,7 +44,7 @@ def test_a_structure_near_the_origin_stays_where_it_is() -> None:
 
 @pytest.mark.parametrize("settlement", [scenes.DOWN, TURNING], ids=["drop", "turn"])
 def test_a_case_far_from_the_origin_is_that_near_it(settlement: Any, tmp_path: Path) -> None:
-    """Places differ by one shift, and every point of a support moves as there."""
+    """Places differ by one shift, and every point of a support has the same motion."""
     near = case_of(pads(settlement), tmp_path)
     far = case_of(scenes.moved(pads(settlement), shift=SURVEY), tmp_path)
     shift = SURVEY - far.origin
@@ -67,7 +67,7 @@ def test_a_moment_is_told_about_the_origin_of_the_scene() -> None:
 @pytest.mark.yade
 @pytest.mark.parametrize("settlement", [scenes.DOWN, TURNING], ids=["drop", "turn"])
 def test_both_methods_agree_far_from_the_origin(settlement: Any, tmp_path: Path) -> None:
-    """Run at these coordinates, YADE lost the inertia of its blocks in round-off and refused them."""
+    """At these coordinates YADE itself lost the inertia of its blocks in round-off and refused them."""
     path = tmp_path / "scene.toml"
     path.write_text(scenes.moved(pads(settlement), shift=SURVEY).text, encoding="utf-8")
     summary = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True)

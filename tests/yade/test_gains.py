@@ -1,4 +1,4 @@
-"""Gains of the servo and of the damper, and the time steps that an attempt is expected to take: from plain settings, by hand."""
+"""Gains of the servo and of the damper, and the expected time steps of an attempt, by hand from plain settings."""
 
 import math
 from types import SimpleNamespace
@@ -21,7 +21,7 @@ USUAL: dict[str, Any] = {
 
 
 def case_of(live: Any = None, floor: float = 0.0, sway: float = 0.0) -> Any:
-    """A free block of 50 kg, which carries a floor of so many kilograms, and sways so many times as slowly as it sags."""
+    """A free block of 50 kg. floor: mass that it carries, kg; sway: period of its sway over that of its sag."""
     gravity, load = np.array([0.0, 0.0, -GRAVITY]), np.zeros((1, 6))
     load[0, 0] = GRAVITY * floor
     block = {"mass": np.array([50.0]), "live_load": load, "free": np.array([0])}
@@ -40,13 +40,13 @@ def test_the_servo_is_a_spring_and_a_dashpot_of_a_share_of_the_frequency_of_the_
 
 @pytest.mark.parametrize(("sway", "slower"), [(2.0, 1.0), (4.0, 1.0), (8.0, 2.0), (200.0, 5.0)])
 def test_the_servo_is_slower_than_the_sway_of_blocks_that_stand(sway: float, slower: float) -> None:
-    """A block slid on a tall one that swayed with a period of 8 sags: the servo swung with it, and the sliding was 23 % too fast."""
+    """The servo once swung with a tall block whose period was 8 times that of the sag: a block slid on it 23 % too fast."""
     servo, usual = servo_of(case_of(PUSH, sway=sway), settings_of()), servo_of(case_of(PUSH), settings_of())
     assert usual.spring / servo.spring == pytest.approx(slower**2) and usual.dashpot / servo.dashpot == pytest.approx(slower)
 
 
 def test_the_servo_looks_oftener_where_a_floor_is_pushed_that_has_no_inertia() -> None:
-    """Under a floor of 24 times its mass a block answers 25 times as fast: 0.2 would be a decay of 5 between two looks, which grows."""
+    """Under a floor of 24 times its mass a block responds 25 times as fast. A decay of 0.2 between two looks would be one of 5 and grow."""
     bare, under_floor = (servo_of(case_of(PUSH, floor), settings_of()) for floor in (0.0, 1200.0))
     assert under_floor.every == pytest.approx(bare.every / 25.0, abs=1.0)
     assert (under_floor.spring, under_floor.dashpot) == (bare.spring, bare.dashpot)
@@ -65,7 +65,7 @@ def test_a_heavy_block_counts_by_its_mass_in_the_motion_that_the_servo_holds() -
 
 
 def test_a_heavy_block_that_swings_where_it_stands_hardly_counts() -> None:
-    """Its swing comes back in the next window; the light block goes on."""
+    """The heavy block swings back in the next window, while the light block moves on."""
     servo, masses = Servo(1.0, 1.0, 1.0, 0.0, 1, 1.0), np.array([20.0, 1.0])
     counted = []
     for k in range(20):
@@ -81,21 +81,21 @@ class TwoBlocks:
     time = 0.0
 
     def along(self, name: str) -> np.ndarray:
-        """Places; as speeds those that show the weight of the light block."""
+        """Places of the blocks, or speeds that show the weight of the light block."""
         return np.array([max(self.time - 1.0, 0.0), min(self.time, 1.0)] if name == "pos" else [0.0, 1.0])
 
 
 def test_the_weights_of_the_servo_follow_the_motion_of_whole_windows() -> None:
-    """Before the end of the first window both blocks count by their mass, in the second the light one alone; then m v = 4.5 beside 0.25."""
+    """Both blocks count by their mass in the first window, the light one alone in the second. Then m v is 4.5 for the heavy one, 0.25."""
     servo, blocks, counts = Servo(0.0, 1.0, 0.0, 0.0, 1, window=1.0), TwoBlocks(), []
     servo.start(blocks)
     for blocks.time in (0.3, 0.9, 1.0, 1.5, 1.9, 2.0):
-        counts.append(-servo.measured(blocks.time, blocks))  # of the dashpot alone: a point at rest, less the speed that it feels
+        counts.append(-servo.measured(blocks.time, blocks))  # of the dashpot alone: speed 0 of a point at rest less the measured speed
     assert counts == pytest.approx([0.1, 0.1, 1.0, 1.0, 1.0, 0.25 / 4.75])
 
 
 def test_the_damper_takes_its_share_of_a_swing_and_forgets_over_a_period_of_the_sag() -> None:
-    """Of a damping ratio of 0.5 a swing's velocity falls by exp(-w t); its mean follows within a period 2 pi / w."""
+    """At a damping ratio of 0.5 a swing's velocity falls by exp(-w t). The mean follows within a period 2 pi / w."""
     inertia: Any = SimpleNamespace(tensor=np.eye(3)[None], mass=np.array([1.0]))
     damper = swing_damper(case_of(), settings_of(settling_step=1e-4), inertia, [None])
     elapsed = FREQUENCY * damper.every * 1e-4  # rad

@@ -1,4 +1,4 @@
-"""Hard cases: what is known comes out, what is not is said, and no wrong answer is called agreement."""
+"""Hard cases: known answers come out, unknown ones are named, and no wrong answer counts as agreement."""
 
 from pathlib import Path
 
@@ -9,16 +9,16 @@ from hard_cases_table import Outcome, outcome, row
 
 CASES = list(catalogue())
 IN_EVERY_RUN = ("pads, friction 0", "columns, friction 0.9", "lintel that overhangs", "support that slides away")  # seconds of YADE each
-ONCE_ENDLESS = (  # with the true inertia of every block and without regard to slow swings
+ONCE_ENDLESS = (  # before inertia was added to the fastest blocks and slow swings were taken into account
     "cube of 0.01 m on a block of 1 m", "cube of 0.001 m on a block of 1 m", "slab 100000 times as heavy above",
     "slab 100000 times as heavy below", "block 20 times as high", "block 200 times as high",
 )  # fmt: skip
-LARGE = "tower of 1,000 blocks"  # it takes as long as all others together; one of 100 is in every run
-RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
+LARGE = "tower of 1,000 blocks"  # it takes as long as all others together; a tower of 100 is in every run
+RESIDUAL = 1e-6  # of the mean block weight: largest residual of a solved answer
 
 
 def of(cases: list[HardCase], in_every_run: tuple[str, ...]) -> pytest.MarkDecorator:
-    """Cases by their names; those that are not in every run are left to `make test-all`."""
+    """Parametrise by cases, named. Cases that are not in every run are left to `make test-all`."""
     left = {case.name: pytest.mark.long if case.long else () if case.name in in_every_run else pytest.mark.slow for case in cases}
     marked = [pytest.param(case, marks=left[case.name], id=case.name) for case in cases]
     return pytest.mark.parametrize("case", marked)
@@ -53,7 +53,7 @@ def test_no_wrong_answer_is_called_agreement(case: HardCase, tmp_path: Path) -> 
         assert yade["status"] == "collapsed"
     elif verdict == "agree" and isinstance(case.known, float):
         off = abs(yade["reaction"] / found.summary["weight"] - case.known)
-        assert off <= 0.015 * max(case.known, 0.01) + 2e-3  # the inset's share of the levers, and the judge's tolerance
+        assert off <= 0.015 * max(case.known, 0.01) + 2e-3  # the inset's share of the lever arms, and the judge's tolerance
     else:
         assert verdict == "agree" or found.summary["reason"]
 

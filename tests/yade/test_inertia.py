@@ -1,4 +1,4 @@
-"""The inertia of a quasi-static run: what slows the fastest blocks down changes no weight and no reaction."""
+"""The inertia of a quasi-static run: added inertia slows the fastest blocks down and changes no weight and no reaction."""
 
 import dataclasses
 import json
@@ -62,7 +62,7 @@ def test_no_block_loses_inertia_and_the_mass_added_keeps_its_share(one: case.Cas
 
 
 def test_a_moment_of_inertia_grows_only_until_the_block_turns_as_slowly_as_it_shifts(one: case.Case) -> None:
-    """Exactly so far, or MOST times: then no block turns faster than it shifts."""
+    """It grows exactly so far that no block turns faster than it shifts, and at most MOST times."""
     springs = springs_of(one, 3.0, 2.0)
     slow = slowed(one, springs, SHARE)
     shifting, turning = springs.of_blocks()
@@ -110,7 +110,7 @@ def test_the_fastest_swing_is_slower_and_the_step_longer(one: case.Case) -> None
 
 
 def test_a_step_that_added_mass_makes_stable_is_not_refused_before_the_run(tmp_path: Path) -> None:
-    """The swing is slower with this mass; the period of the true mass is shorter than the stable step."""
+    """The added mass makes the swing slower. The period of the true mass is shorter than the stable step."""
     heavy = la_core.variant("two_pads", {"yade.added_mass": 100.0, "yade.stiffening": 1.0})
     write_case(tmp_path / "case.h5", analyse(heavy), "")
     stable = settings.derive(case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))).settling_step

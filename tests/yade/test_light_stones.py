@@ -1,4 +1,4 @@
-"""Stones that are light beside the others: a run comes to rest only where each of them rests."""
+"""A run with stones much lighter than the others comes to rest only where each of them rests."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.yade
 
 
 def wall_with_a_cube(size: float, overhang: float) -> la_core.Scene:
-    """Nine blocks, and a cube on their end with a share of its width beyond it; it weighs down to a 500th of the mean block."""
+    """Nine blocks with a cube at their end. overhang: share of its width beyond it. The smallest cube weighs a 500th of a mean block."""
     wall = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": [0.6, 0.4, 0.3], "per_course": 3, "courses": 3}
     wall["footing"] = {"height": 0.3, "settling": [1.2, 1.8]}
     left = 1.8 - (1.0 - overhang) * size
@@ -24,7 +24,7 @@ def wall_with_a_cube(size: float, overhang: float) -> la_core.Scene:
 
 @pytest.mark.parametrize("size", [pytest.param(0.1, marks=pytest.mark.slow), 0.06])
 def test_a_light_stone_that_tips_falls_in_both_methods(size: float, tmp_path: Path) -> None:
-    """Below 1 % of a mean block its unbalanced force passed for rest, and the verdict was *disagree*."""
+    """The unbalanced force of a stone below 1 % of a mean block once passed for rest, and the verdict was *disagree*."""
     found = comparison.run(wall_with_a_cube(size, 0.7), tmp_path, quiet=True)
     assert found.verdict == "cannot stand", found.reason
     assert found.yade is not None and found.yade.status == "collapsed"

@@ -1,4 +1,4 @@
-"""Live loads by both methods: closed forms, published walls, the servo that drives YADE, and what the judge finds wrong."""
+"""Live loads by both methods: closed forms, published walls, the servo that drives YADE, and the judge."""
 
 import dataclasses
 import math
@@ -27,7 +27,7 @@ from la_core.scene.scene import load_scene
 from yade_scripts.driving.servo import Servo
 
 INSET = 1e-3  # m
-PER_MILLE = 1e-3  # what closed forms are met to
+PER_MILLE = 1e-3  # relative: agreement with closed forms
 
 
 def column(breadth: float, height: float, courses: int = 1, **options: Any) -> Scene:
@@ -104,7 +104,7 @@ direction = [1.0, 0.0, 0.0]
 @pytest.mark.yade
 @pytest.mark.parametrize(("breadth", "height", "friction"), [(0.28, 1.5, 0.057), (0.4, 2.6, 0.011)])
 def test_a_block_slides_on_a_tall_one_at_the_speed_that_is_set(breadth: float, height: float, friction: float, tmp_path: Path) -> None:
-    """It slides at its friction coefficient. The servo swung with the tall block: the cap was half too fast, and no verdict came."""
+    """The cap slides at its friction coefficient. The servo once swung with the tall block: the cap was half too fast, without verdict."""
     path = tmp_path / "tall.toml"
     path.write_text(TALL.format(breadth=breadth, height=height, top=height + 0.2, friction=friction))
     summary, _, run = by_both(load_scene(path), tmp_path / "results")
@@ -114,7 +114,7 @@ def test_a_block_slides_on_a_tall_one_at_the_speed_that_is_set(breadth: float, h
 
 @pytest.mark.yade
 def test_friction_takes_what_the_load_brings(tmp_path: Path) -> None:
-    """A block that slides on a level bed: the load alone does work, and all mechanisms are per unit power of the load."""
+    """A block slides on a level bed. The load alone does work, and all mechanisms are per unit power of the load."""
     summary, analysis, run = by_both(column(0.5, 0.3, friction=0.4), tmp_path / "results")
     measures, energy = summary["mechanism_measures"], summary["energy"]
     assert [measures[method]["dissipated_power"] for method in ("associated", "coulomb", "yade")] == pytest.approx([0.4] * 3, rel=0.01)
@@ -172,7 +172,7 @@ def test_the_recorded_multiplier_is_the_one_that_acts_and_the_blocks_move_steadi
 @pytest.mark.slow
 @pytest.mark.yade
 def test_a_block_that_no_push_moves_has_no_plateau(tmp_path: Path) -> None:
-    """Between two held walls: limit analysis knows no limit, and YADE's blocks never move steadily."""
+    """A block stands between two fixed walls. Limit analysis finds no limit, and in YADE the block never moves steadily."""
     held = scenes.box("left", (-0.5, 0.0, 0.0), (0.0, 0.3, 0.4), "fixed"), scenes.box("right", (0.6, 0.0, 0.0), (1.1, 0.3, 0.4), "fixed")
     plane = scenes.box("plane", (-0.5, 0.0, -0.2), (1.1, 0.3, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 0.4))
@@ -218,7 +218,7 @@ def test_the_point_that_pulls_starts_from_rest_and_moves_at_its_speed() -> None:
 
 
 def test_the_servo_follows_the_blocks_that_move() -> None:
-    """A tenth of the mass moves: its own speed is held, not the mean of all."""
+    """A tenth of the mass moves. The servo holds its speed, not the mean of all masses."""
     servo = Servo(1.0, 1.0, speed=1.0, ramp_time=0.0, every=1, window=1.0)
     masses = np.array([9.0, 1.0])
     servo.renew(0.0, masses, np.array([0.0, 5.0]))
@@ -226,11 +226,11 @@ def test_the_servo_follows_the_blocks_that_move() -> None:
     for k in range(1, 20):
         servo.renew(float(k), masses, np.array([0.0, 5.0 + k]))
     assert servo.weighted(np.array([0.0, 1.0])) == pytest.approx(1.0, abs=1e-4)
-    servo.renew(20.0, masses, np.array([0.0, 24.0]))  # nothing moved: nothing is learnt
+    servo.renew(20.0, masses, np.array([0.0, 24.0]))  # no block moved: the weights stay
     assert servo.weighted(np.array([0.0, 1.0])) == pytest.approx(1.0, abs=1e-4)
 
 
-# --- what the judge finds wrong ----------------------------------------------------------------------------------------------
+# --- the judge ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -239,7 +239,7 @@ def pushed() -> LimitAnalysis:
 
 
 def followed(analysis: LimitAnalysis, speed: float = 1.0, **result: object) -> Run:
-    """A run that follows limit analysis to the digit; its blocks move at this share of the speed that was set."""
+    """A run that follows limit analysis to the digit. speed: of its blocks, over the set speed."""
     bound = analysis.bounds[Drive.LIVE]
     per_metre = dataclasses.replace(bound, twists=bound.twists * analysis.assembly.weight)
     run = perfect_run(with_answers(analysis, bounds={Drive.YIELDING: per_metre}), **result)
@@ -247,7 +247,7 @@ def followed(analysis: LimitAnalysis, speed: float = 1.0, **result: object) -> R
     acting = np.full(100, float(bound.value))
     free, mass = analysis.assembly.blocks.free, analysis.assembly.blocks.mass
     along = per_metre.twists[free, 0]
-    factor = float(mass[free] @ along**2 / (mass[free] @ along))  # of the speed that the servo holds, over the mean one
+    factor = float(mass[free] @ along**2 / (mass[free] @ along))  # speed that the servo holds, over the mean speed
     record = {"stage": np.ones(100, dtype=int), "time": settlement * factor / (speed * 4e-4), "settlement": settlement, "reaction": acting}
     return dataclasses.replace(run, record=made_up_run(record=record).record, settings={"speed": 4e-4})
 
@@ -296,7 +296,7 @@ def test_a_multiplier_that_does_not_act_is_out_of_balance(pushed: LimitAnalysis)
 
 
 def test_a_mechanism_of_other_blocks_disagrees() -> None:
-    """The upper half rocks by itself, although all of the stack tips."""
+    """In the run the upper half rocks by itself; in limit analysis the whole stack tips."""
     analysis = analyse(column(0.5, 1.0, courses=4, friction=0.7))
     hinge, free = np.array([0.5 - INSET, 0.15 * 0.5, 0.5]), analysis.assembly.blocks.free
     rocking = np.zeros((len(free), 6))

@@ -11,7 +11,7 @@ from comparison.workflow.one_scene import run_scene
 from la_core.scene.scene import load_scene
 
 INSET = 1e-3  # m
-SAME = 1e-3  # of the weight: what both methods must agree within, where statics gives the answer
+SAME = 1e-3  # of the weight: agreement of both methods with statics
 WEDGED = 5e-3  # relative: the wedging leaves a little of its thrust in the arch
 BEAM = (
     scenes.box("left", (0.0, 0.0, -0.2), (0.2, 1.0, 0.0), "fixed"),
@@ -23,7 +23,7 @@ PRESSED_WEIGHT = 2000.0 * 9.81 * 0.1  # N
 
 
 def statics(weight_arm: float, moment: float) -> float:
-    """Force on the right pad as the block turns about the inner edge of the left one, N; arms from x = 0, the inset in both methods.
+    """Force on the right pad, N, as the block turns about the inner edge of the left one; both methods have the inset.
 
     weight_arm: moment of the weights about x = 0, N m. moment: sum of the vertical forces, N.
     """
@@ -44,7 +44,7 @@ def both(tmp_path: Path, *parts: str, **options: Any) -> tuple[dict[str, Any], f
 @pytest.mark.yade
 @pytest.mark.parametrize("y", [0.5, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_an_eccentric_load_is_shared_by_the_lever_arms(y: float, tmp_path: Path) -> None:
-    """Beside the middle of the depth the model is one in space; the pads bear along all of the depth, so the arms are the same."""
+    """A load beside the middle of the depth needs a model in space. The pads bear along the whole depth, so the arms are the same."""
     size = 8000.0
     load = scenes.table("[load]", blocks=["beam"], force=(0.0, 0.0, -size), at=(0.7, y, 0.3))
     summary, run, predicted = both(tmp_path, *BEAM, scenes.box("beam", (0.0, 0.0, 0.0), (1.0, 1.0, 0.3)), load)
@@ -81,7 +81,7 @@ def test_a_stone_pressed_against_a_wall_slides_by_the_friction_of_that_joint(mu:
 
 @pytest.mark.yade
 def test_a_flat_arch_is_wedged_in_before_its_load_acts(tmp_path: Path) -> None:
-    """Hinges at the lower edges of the abutments and the upper edges of the middle block; half of the load goes to either side."""
+    """Hinges form at the lower edges of the abutments and the upper edges of the middle block. Half of the load goes to either side."""
     own, load = 2000.0 * 9.81 * 2.0 * 0.3 * 0.4, 2000.0
     text = (scenes.SHIPPED / "flat_arch.toml").read_text(encoding="utf-8")
     text = text[: text.index("[expected]")] + scenes.table("[load]", blocks=["arch 1.2"], force=(0.0, 0.0, -load)) + "\n"
@@ -97,7 +97,7 @@ def test_a_flat_arch_is_wedged_in_before_its_load_acts(tmp_path: Path) -> None:
 @pytest.mark.yade
 @pytest.mark.parametrize("rod", [0.0, 0.4], ids=["free", "held by a rod"])
 def test_a_floor_is_pushed_with_the_block_that_carries_it(rod: float, tmp_path: Path) -> None:
-    """The block tips about its outer edge: weights, floor and rod against the push on the masses of block and floor."""
+    """The block tips about its outer edge. Its weight, the floor and the rod resist the push on the masses of block and floor."""
     breadth, height, size = 0.5, 0.7, 3000.0
     weight = 2000.0 * 9.81 * breadth * height
     floor = scenes.table("[load]", blocks=["block"], mass=size / 9.81, at=(0.25, 0.5, height))

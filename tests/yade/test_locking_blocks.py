@@ -12,12 +12,12 @@ from comparison.workflow.one_scene import run_scene
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 
-SAME = 5e-3  # relative, of both methods beside their uncertainties
+SAME = 5e-3  # relative: error of both methods beside their uncertainties
 
 
 @pytest.mark.yade
 def test_a_block_pulled_aslant_out_of_a_slot_moves_by_both_methods(tmp_path: Path) -> None:
-    """It slides up one wall: lambda W / sqrt 2 = W + mu lambda W / sqrt 2."""
+    """The block slides up one wall: lambda W / sqrt 2 = W + mu lambda W / sqrt 2."""
     scene = scenes.build(*slot(), friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
     summary = run_scene(scene, tmp_path, Silent(), with_yade=True)
     assert summary["limit_analysis"]["associated"]["status"] == "unbounded"

@@ -1,4 +1,4 @@
-"""Both methods on shipped structures whose joints slide: friction without dilatancy, one against the other and against what is known."""
+"""Both methods on shipped structures whose joints slide: friction without dilatancy, one against the other and against known values."""
 
 import tomllib
 from collections.abc import Callable
@@ -19,8 +19,8 @@ from la_core.limit.problem import Drive
 from la_core.measures import mechanism
 
 CrossCheck = Callable[[str], CrossChecked]
-SETTLING_WEIGHT = 2e-3  # of the reaction: what elastic joints may leave of an exact one
-HISTORY = 1e-2  # of the reaction: what the steps of either method leave open in friction's history
+SETTLING_WEIGHT = 2e-3  # of the reaction: error that elastic joints may leave
+HISTORY = 1e-2  # of the reaction: uncertainty from friction's history in the steps of either method
 WALLS = ("wall_third", "wall_half", "wall_low_friction", "wall_long", "wall_tall", "facade", "corner_settling_end")
 
 
@@ -55,7 +55,7 @@ def test_yade_meets_the_coulomb_prediction_where_it_is_steady_and_its_interval_a
     assert ("Stick-slip" in reason) is (found.run.scatter() > STEADY)
     if found.run.scatter() <= STEADY:
         assert abs(reaction - coulomb.value) <= HISTORY * max(abs(coulomb.value), 1e-2 * found.scene.weight)
-    apart = abs(reaction - coulomb.value) > FLOOR * abs(reaction)  # the floor counts however much a method states
+    apart = abs(reaction - coulomb.value) > FLOOR * abs(reaction)  # the floor counts for any stated uncertainty
     unsure = coulomb.uncertainty > UNCERTAIN * abs(coulomb.value) and apart
     assert found.summary["verdict"] == ("inconclusive" if unsure else "agree"), found.summary["reason"]
 
@@ -82,7 +82,7 @@ def test_the_path_runs_along_yade_s_record(name: str, cross_checked: CrossCheck)
 
 @pytest.mark.long
 def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked: CrossCheck) -> None:
-    """Start it with `make test-long`: a quarter of an hour. It sticks and slips, and both methods state more than the judge decides by."""
+    """`make test-long` runs it in a quarter of an hour. It sticks and slips, and both uncertainties are too large for a verdict."""
     found = cross_checked("building_corner")
     coulomb, result = found.analysis.coulomb, found.run.result
     assert found.summary["free_blocks"] >= 1000
@@ -95,7 +95,7 @@ def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked
 
 
 def test_held_blocks_need_no_density(tmp_path: Path) -> None:
-    """Their mass does nothing in either method: the reaction is that of the same scene with one density for all."""
+    """The mass of held blocks has no effect in either method. The reaction is that of the same scene with a density for all."""
     scene = scenes.shipped("two_pads")
     tables = tomllib.loads(scene.text)
     tables["block"][2]["density"] = tables.pop("stone", {}).get("density") or tables["block"][2]["density"]

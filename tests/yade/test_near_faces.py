@@ -22,12 +22,12 @@ from la_core.scene import Scene
 from yade_scripts import case, settings
 from yade_scripts.contacts.near_faces import _SAME_FACE, LEFT, NEAR, NearFaces
 
-LINEAR = 1.1  # of the growth of the wall
+LINEAR = 1.1  # most growth of the looks, over that of the wall
 CORNER = [[0.0, 0.0], [0.8, 0.0], [0.8, 0.3], [0.3, 0.3], [0.3, 0.8], [0.0, 0.8]]
 
 
 def compound() -> Scene:
-    """A block with a re-entrant corner, and one in that corner that leaves a gap to its upright face."""
+    """A block with a re-entrant corner, and a second block in this corner with a gap to the upright face."""
     parts = (
         scenes.box("fixed base", (0.0, 0.0, -0.2), (0.4, 0.2, 0.0), "fixed"),
         scenes.box("settling base", (0.4, 0.0, -0.2), (0.8, 0.2, 0.0), "support"),
@@ -62,7 +62,7 @@ def case_of(scene: Scene, path: Path) -> case.Case:
 
 
 def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, rotation: np.ndarray) -> float:
-    """Least distance (m) by which a sphere of a moved block lies outside a face plane of every convex part it is no partner of."""
+    """Least distance (m) from a sphere of a moved block to a convex part that is not its partner, by the part's farthest face plane."""
     radius = chosen.sphere_radius * one.own_inset / one.inset
     inward = np.where((one.host == one.block_b)[:, None], one.normal, -one.normal)
     turns = [scenes.rotation(tuple(vector), float(np.linalg.norm(vector))) if vector.any() else np.eye(3) for vector in rotation]
@@ -81,7 +81,7 @@ def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, 
 
 
 def plain_pairs(one: case.Case, chosen: settings.Settings) -> list[tuple[int, int]]:
-    """The spheres near a part, part after part, with its block, found sphere by sphere."""
+    """Pairs of a sphere and the block of a part near it, part after part, by a look at every sphere."""
     radius = chosen.sphere_radius * one.own_inset / one.inset
     centre = one.position + radius[:, None] * np.where((one.host == one.block_b)[:, None], one.normal, -one.normal)
     reach, found = NEAR * chosen.max_travel * one.support_speed + radius, []
@@ -126,7 +126,7 @@ def test_a_wall_four_times_as_long_takes_four_times_the_looks_at_spheres(tmp_pat
 
 @pytest.mark.parametrize("apart", [0.0, 0.1, 0.5, 2.0])
 def test_while_no_gap_is_used_up_no_sphere_touches_another_face(one: case.Case, apart: float) -> None:
-    """The structure turns and shifts as one, by half an inset, and each block by `apart` of an inset beside it."""
+    """The structure turns and shifts as one, by up to half an inset. Each block moves by up to `apart` insets in addition."""
     chosen = settings.derive(one)
     near, chance, arm = NearFaces(one, chosen), np.random.default_rng(1), one.centroid - one.centroid.mean(axis=0)
     quiet = []
@@ -164,7 +164,7 @@ def test_a_block_that_goes_far_may_meet_what_was_not_near(one: case.Case) -> Non
 
 
 def test_a_contact_point_at_the_edge_of_a_slanted_face_ends_an_attempt(tmp_path: Path) -> None:
-    """YADE models the face as the top of a wider box, which would carry the sphere on."""
+    """YADE models the face as the top of a wider box, which would carry the sphere beyond the edge, too."""
     case_file.write_case(tmp_path / "case.h5", analyse(drawn(11, EARLIER_SEED).scene), "")
     found = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
     near, still = NearFaces(found, settings.derive(found)), np.zeros((len(found.role), 3))
@@ -198,7 +198,7 @@ def test_the_stop_is_among_the_faces_near_the_block(tmp_path: Path) -> None:
 
 @pytest.mark.yade
 def test_attempts_look_for_new_contacts_from_the_first_one_on_that_meets_a_face(tmp_path: Path) -> None:
-    """A run that is made up, in YADE's interpreter: the second attempt meets a face."""
+    """In a made-up run in YADE's interpreter the second attempt meets a face."""
     case_file.write_case(tmp_path / "case.h5", analyse(with_effects(buffer())), "")
     yade = find_yade()
     statement = f"""

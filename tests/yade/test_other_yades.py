@@ -1,4 +1,4 @@
-"""YADE of other versions and builds: run with a word of caution, and refused only where something that is needed is missing."""
+"""YADE of another version or build runs with a word of caution. It is refused only where it lacks a needed name."""
 
 import subprocess
 from collections.abc import Callable
@@ -64,7 +64,7 @@ def test_a_name_that_a_room_of_the_scripts_needs_is_checked_too(altered_yade: Ca
 def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
     altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """As Debian 13 builds it. A trapezium is no box along the axes: it is refused once a sphere comes near a face that it did not touch."""
+    """Debian 13 builds such a YADE. It refuses a trapezium, no box along the axes, once a sphere nears a face not touched before."""
     altered_yade("2025.2.0", *POLYHEDRA)
     out, box = tmp_path / "out", "box     = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }"
     assert box in two_pads
@@ -86,7 +86,7 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
 
 
 def test_yade_leaves_no_scratch_folder_behind() -> None:
-    """YADE makes a folder in the system's temporary one when it loads, and a process that ends at once never removes it."""
+    """YADE makes a folder in the system's temporary folder when it loads. A process that ends at once would never remove it."""
     yade = installation.find_yade()
     statement = f"""
 import sys

@@ -1,4 +1,4 @@
-"""Laws of the plateau fit: what it recovers exactly, and how often its uncertainty covers the truth."""
+"""Laws of the plateau fit: the records that it recovers exactly, and the rate at which its uncertainty covers the truth."""
 
 from dataclasses import replace
 from typing import Any
@@ -15,7 +15,7 @@ TRAVEL = 1e-3
 REACTION, SLOPE = 300.0, 2.0e4  # N, N/m: the line changes by 7 % over the travel
 DRAWS = 400
 LEVEL = plateau.Geometry(turning=2.0 * SLOPE, lever=np.inf)  # of a structure whose geometry may give such a slope
-STIFF = plateau.Geometry(turning=0.0, lever=0.4)  # m: one whose blocks only slide, by their own size
+STIFF = plateau.Geometry(turning=0.0, lever=0.4)  # m: of a structure whose blocks, of this size, only slide
 COVERED = 0.917  # least share of DRAWS: the stated 0.95 less three standard deviations of a share among 400 draws
 
 
@@ -56,7 +56,7 @@ def test_a_plateau_is_left_where_the_reaction_falls_away_and_not_where_it_stays(
     enough = plateau.EARLY * REACTION
     assert best.is_left(fitted(s, falls + noise, STIFF), enough) and best.is_left(plateau.NONE, enough)
     assert not best.is_left(fitted(s, REACTION + noise, STIFF), enough)
-    assert not best.is_left(fitted(s, falls + noise, STIFF), 2.0 * REACTION)  # whatever it is, so much does no harm
+    assert not best.is_left(fitted(s, falls + noise, STIFF), 2.0 * REACTION)  # below so high a limit no uncertainty counts
 
 
 @pytest.mark.parametrize(("uncertainty", "enough", "is_left"), [(2.0, 0.0, False), (4.0, 0.0, True), (4.0, 5.0, False)])
@@ -89,7 +89,7 @@ def test_constant_has_no_uncertainty() -> None:
 
 
 def test_white_noise_makes_the_error_of_a_line_by_least_squares() -> None:
-    """19 times in 20 the intercept lies within Student's factor times its standard error, which scipy has of its own."""
+    """In 19 of 20 cases the intercept lies within Student's factor times its standard error, which scipy computes independently."""
     s, ratios = settlement(), []
     for seed in range(50):
         r = REACTION + np.random.default_rng(seed).standard_normal(ROWS)
@@ -103,7 +103,7 @@ def test_white_noise_makes_the_error_of_a_line_by_least_squares() -> None:
 
 def test_a_bent_record_tells_no_more_than_three_rows_with_one_freedom_left() -> None:
     """By hand: a line through n rows with n - 2 freedoms has sigma^2 = n mean(residual^2) / (n - 2) and var(intercept) =
-    sigma^2 (1 + centre^2 / var(s)) / n, and a parabola, each row of which all but repeats the one before, has the fewest rows, n = 3.
+    sigma^2 (1 + centre^2 / var(s)) / n. Each row of a parabola nearly repeats the row before, so that the fewest rows count, n = 3.
     """
     s = settlement()
     r = REACTION + 1.5 * (2.0 * s / TRAVEL - 1.0) ** 2
@@ -115,9 +115,9 @@ def test_a_bent_record_tells_no_more_than_three_rows_with_one_freedom_left() -> 
 
 
 def test_a_line_is_uncertain_by_what_lies_between_it_and_its_level_and_by_the_strain_that_may_be_left() -> None:
-    """By hand, where turning blocks explain 0.2 of the slope. What lies between line and level, slope times centre, has a rectangular
-    distribution. A strain c / s at the centre has the slope c / centre^2 there. The line is drawn back by slope times centre, which is c /
-    centre: all the strain that is left there. As much is still to come.
+    """By hand, where turning blocks explain 0.2 of the slope. The difference of line and level, slope times centre, has a rectangular
+    distribution. A strain c / s has the slope c / centre^2 at the centre. Drawn back to 0, the line changes by slope times centre, c /
+    centre, which is all the strain that is left at the centre. As much is still to come.
     """
     s = settlement()
     fit = fitted(s, REACTION - SLOPE * s, plateau.Geometry(turning=0.25 * SLOPE, lever=np.inf, slope=-0.2 * SLOPE))
@@ -196,7 +196,7 @@ def test_scale_of_force_and_length_does_not_matter() -> None:
 
 
 def creeping(s: np.ndarray, power: float) -> np.ndarray:
-    """A reaction that comes to REACTION as its joints lose their strain, by a power of the settlement."""
+    """A reaction that approaches REACTION by a negative power of the settlement, as joints lose their strain."""
     return REACTION * (1.0 + 0.02 * (s / TRAVEL + 1e-9) ** -power)
 
 
@@ -204,7 +204,7 @@ def creeping(s: np.ndarray, power: float) -> np.ndarray:
 @pytest.mark.parametrize("power", [0.5, 1.0])
 @pytest.mark.parametrize("noise", [0.0, 0.1])
 def test_a_curve_that_creeps_is_no_plateau(direction: float, power: float, noise: float) -> None:
-    """It changes by 1 to 2.5 % over the last 70 % of the travel; a line drawn back from it lies beside all of it."""
+    """The curve changes by 1.6 to 4.9 % over the last 70 % of the travel. A line drawn back from there misses the whole curve."""
     s = settlement()[1:]
     r = REACTION + direction * (creeping(s, power) - REACTION) + autocorrelated(np.random.default_rng(4), 0.5, noise)[1:]
     assert 0.007 < abs(r[-1] / r[int(0.3 * ROWS)] - 1.0) < 0.05
@@ -212,7 +212,7 @@ def test_a_curve_that_creeps_is_no_plateau(direction: float, power: float, noise
 
 
 def test_the_slope_that_geometry_gives_is_no_creep() -> None:
-    """As turning blocks or sliding ones give it: 0.25 % a mm on blocks of 0.4 m."""
+    """Turning or sliding blocks cause such a slope: 0.25 % per mm on blocks of 0.4 m."""
     s = settlement()
     assert not fitted(s, REACTION * (1.0 - 0.9 * s / STIFF.lever), STIFF).creeps
     assert not fitted(s, REACTION - 1.9 * SLOPE * s).creeps
@@ -226,7 +226,7 @@ def test_noise_is_no_creep() -> None:
 
 
 def test_noise_with_memory_is_no_creep() -> None:
-    """Its slopes scatter more than those of as many independent rows."""
+    """The slopes of such noise scatter more than the slopes of as many independent rows."""
     rng, geometry = np.random.default_rng(5), plateau.Geometry(turning=0.0, lever=np.inf)
     creeping = [fitted(settlement(), REACTION + autocorrelated(rng, 0.9, 1.0), geometry).creeps for _ in range(DRAWS)]
     assert np.mean(creeping) < 0.03
@@ -242,7 +242,7 @@ def test_a_support_that_pulls_has_the_plateau_of_one_that_is_pressed() -> None:
 
 
 def test_strain_that_may_be_left_is_stated() -> None:
-    """Where a curve of the slope that sliding may give is creep after all, its limit lies within the uncertainty."""
+    """A curve may creep with no more slope than sliding may cause. Its limit then lies within the uncertainty."""
     s = settlement()[1:]
     r = REACTION * (1.0 + 4e-4 * TRAVEL / s)
     fit = fitted(s, r, STIFF)
@@ -258,7 +258,7 @@ def test_too_few_rows_give_no_value(rows: int) -> None:
 
 
 def test_a_line_that_is_no_plateau_says_what_it_lacks() -> None:
-    """It is too short, it creeps, it is uncertain, or it changes: a number that does not exist is not said."""
+    """The line is too short, creeps, is uncertain, or changes. A number that does not exist is not stated."""
     exact = fitted(settlement(), np.full(ROWS, REACTION))
 
     def lacks(**changed: Any) -> str:
@@ -268,7 +268,7 @@ def test_a_line_that_is_no_plateau_says_what_it_lacks() -> None:
     assert lacks(creeps=True, uncertainty=REACTION) == "the reaction still creeps"
     assert lacks(uncertainty=0.05 * REACTION) == "the reaction is known only to 0.05 of itself"
     assert lacks(drift=0.06 * REACTION) == "the reaction still changes by 0.06 of itself over the line"
-    # Of a reaction of 0, as of a support that turns about an axis below its block, no share says anything.
+    # A share of a reaction of 0 has no meaning. A support that turns about an axis below its block has such a reaction.
     assert plateau.shortcoming(replace(exact, reaction=0.0, uncertainty=3.0), 10.0, 0.02) == "the reaction is uncertain by more than itself"
 
 
@@ -284,7 +284,7 @@ def test_support_that_stands_still_gives_no_value() -> None:
 
 @pytest.mark.parametrize(("freedoms", "tabulated"), [(3.0, 3.182), (10.0, 2.228), (60.0, 2.000)])
 def test_students_factor_agrees_with_tables(freedoms: float, tabulated: float) -> None:
-    assert plateau.student(freedoms) == pytest.approx(tabulated, rel=0.04)  # the next term of the series, at 3
+    assert plateau.student(freedoms) == pytest.approx(tabulated, rel=0.04)  # size of the next term of the series, at 3
 
 
 def test_correlation_length_of_known_processes() -> None:
@@ -311,7 +311,7 @@ def test_correlation_length_of_known_processes() -> None:
 def test_a_motion_is_steady_where_all_but_a_few_blocks_keep_their_velocity(
     blocks: int, changing: int, change: float, steady: bool, steady_enough: bool
 ) -> None:
-    """Block 0 is a support, which does not count; some others change their velocity by a share of its own."""
+    """Block 0 is a support, which does not count. changing: blocks that change their velocity by the share `change`."""
     fastest = 4.0
     velocity, more = fastest * np.ones((blocks + 1, 3)), np.zeros((blocks + 1, 3))
     more[1 : 1 + changing, 2] = change * fastest

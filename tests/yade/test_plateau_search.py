@@ -1,4 +1,4 @@
-"""When a run in YADE may end, what it ends with, and what ends it before: records that are made up, without YADE."""
+"""The end of a run in YADE: its conditions, its value, and the causes of an early end. Records are made up, without YADE."""
 
 import math
 import re
@@ -24,7 +24,7 @@ SETTINGS = SimpleNamespace(
 CASE = SimpleNamespace(
     sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, is_rotation=False, live=None, free=np.arange(4), weight=4000.0, block_size=0.5
 )
-STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: settlement at which the strain of the joints is as small as may be
+STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: least settlement at which the joints' strain lets a run end
 
 
 def line(reaction: float = 100.0, uncertainty: float = 0.05, **changes: Any) -> plateau.Plateau:
@@ -78,11 +78,11 @@ def looking(record: Told, **settings: float) -> Any:
         (line(uncertainty=0.21), 1.01, False),
         (line(drift=4.9), 1.01, True),
         (line(drift=5.1), 1.01, False),
-        (line(creeps=True), 1.01, True),  # the uncertainty holds the creep
+        (line(creeps=True), 1.01, True),  # the uncertainty covers the creep
         (line(uncertainty=1.1, creeps=True), 1.01, False),
         (line(-100.0, 0.19), 1.01, True),
         (line(-100.0, 0.21), 1.01, False),
-        (line(0.0, 0.039), 1.01, True),  # as if it were 1 % of the reaction at rest, 20 N
+        (line(0.0, 0.039), 1.01, True),  # judged as 1 % of the reaction at rest, 20 N
         (line(0.0, 0.041), 1.01, False),
         (plateau.NONE, 1.01, False),
     ],
@@ -90,14 +90,14 @@ def looking(record: Told, **settings: float) -> Any:
 def test_a_run_ends_once_its_reaction_and_the_strain_of_its_joints_are_known_well_enough(
     fit: plateau.Plateau, way: float, ends: bool, fits: list[plateau.Plateau]
 ) -> None:
-    """way: settlement, over that at which 3 % of the sag over it is the uncertainty that ends a run."""
+    """way: settlement over STRAIN_ENDS, at which 3 % of the sag over the settlement is the uncertainty that ends a run."""
     fits.append(fit)
     assert looking(Told(way * STRAIN_ENDS)).look(0.0) is ends
 
 
 @pytest.mark.parametrize(("is_rotation", "least"), [(False, 0.4), (True, 0.2)])  # N, and N m with the size of a block as lever arm
 def test_a_reaction_of_zero_from_rest_on_is_measured_by_the_weight(is_rotation: bool, least: float, fits: list[plateau.Plateau]) -> None:
-    """Where a ring turns about an upright axis with all that it bears, no weight works, and YADE records noise alone."""
+    """Where a ring turns about an upright axis with all its load, no weight does work, and YADE records noise alone."""
     for share, ends in ((0.99, True), (1.01, False)):
         fits.append(line(0.0, share * SETTINGS.stop_uncertainty * least))
         one = looking(Told(1.01 * STRAIN_ENDS))
@@ -126,7 +126,7 @@ def test_joints_of_a_support_that_turns_strain_by_what_its_points_move(fits: lis
 def test_a_run_with_a_damped_swing_ends_only_where_its_blocks_move_steadily(
     late: float, damping: float, ends: bool, fits: list[plateau.Plateau]
 ) -> None:
-    """late: speed of one block over the later half of the plateau, over that before."""
+    """late: speed of one block in the later half of the plateau, over its speed in the earlier half."""
     fits.append(line())
     states = [[0.0] * 4, [1e-4] * 4, [2e-4, 2e-4, 2e-4, (1.0 + late) * 1e-4]]
     assert looking(Told(2e-4, states), swing_damping=damping).look(0.0) is ends
@@ -136,7 +136,7 @@ def test_a_run_with_a_damped_swing_ends_only_where_its_blocks_move_steadily(
 def test_a_run_that_is_content_with_less_asks_for_less_steadiness(
     late: float, content: bool, ends: bool, fits: list[plateau.Plateau]
 ) -> None:
-    """Velocities may change by 2 %, and by 5 % where the run may end as uncertain as that of a large structure; all blocks change."""
+    """Velocities of all blocks change. 2 % is allowed, and 5 % where the run may end as uncertain as a run of a large structure."""
     fits.append(line())
     enough = OF_LARGE["stop_uncertainty"] if content else 0.99 * OF_LARGE["stop_uncertainty"]
     states = [[0.0] * 4, [1e-4] * 4, [(1.0 + late) * 1e-4] * 4]
@@ -145,7 +145,7 @@ def test_a_run_that_is_content_with_less_asks_for_less_steadiness(
 
 @pytest.mark.parametrize(("later", "ends"), [(1.019, True), (1.025, False)])
 def test_velocities_before_and_after_the_middle_of_the_plateau_are_compared(later: float, ends: bool, fits: list[plateau.Plateau]) -> None:
-    """Of five states the third is the middle one; from any other one the change of 2.5 % would seem to be less than the 2 % accepted."""
+    """The third of five states is the middle. From any other state the change of 2.5 % would seem to be less than the accepted 2 %."""
     fits.append(line())
     places = 1e-4 * np.array([0.0, 1.0, 2.0, 2.0 + later, 2.0 + 2.0 * later])
     assert (
@@ -156,7 +156,7 @@ def test_velocities_before_and_after_the_middle_of_the_plateau_are_compared(late
 def test_the_line_is_fitted_to_the_settlement_stage_and_its_geometry_to_the_motion_from_the_middle_of_its_starts_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Starts are 0.2 to 0.6 of the settlement, in the middle 0.4: of states every 48th, the 19th is the last one before it."""
+    """Starts are 0.2 to 0.6 of the settlement, with the middle 0.4. Of states at every 48th, the 19th is the last one before 0.4."""
     found: dict[str, Any] = {}
     record = Told(1e-3, [[0.0] * 4] * 49)
     record.settling = lambda: [row(settlement=1e-4 * k, reaction=50.0 + k) for k in range(11)]  # type: ignore[attr-defined]
@@ -180,7 +180,7 @@ def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[platea
 
 
 def test_of_a_live_load_it_is_the_multiplier_that_has_no_plateau_or_leaves_one(fits: list[plateau.Plateau]) -> None:
-    """There is no reaction, and nothing settles."""
+    """A live load has neither a reaction nor a settlement."""
     creeping, best, left = line(0.5, 0.5, creeps=True), line(0.5, 0.003), line(0.6, 0.1)
     for fitted, end in (
         ([creeping], "and the multiplier still creeps"),
@@ -231,7 +231,7 @@ def test_what_stiffness_and_settings_may_do_is_a_part_of_the_uncertainty(reactio
     assert one.outcome.uncertainty == pytest.approx(0.03 + 0.04 + one.outcome.stiffness)
 
 
-# --- what ends a run before ----------------------------------------------------------------------------------------------------------
+# --- early ends ----------------------------------------------------------------------------------------------------------------------
 
 
 def row(**values: float) -> Any:
@@ -288,7 +288,7 @@ def test_a_run_is_lost_at_its_time_limit_and_says_where(is_rotation: bool, live:
 def test_blocks_rattle_on_the_mean_of_the_later_way_or_by_a_single_jump(early: float, late: float, peak: float, rattling: bool) -> None:
     rows = [row(settlement=place, unbalanced=early if place < 0.2 else late) for place in np.linspace(0.0, 1.0, 101)]
     rows[50].unbalanced = max(late, peak)
-    rows.insert(0, row(stage=exchange.GRAVITY, unbalanced=9.0))  # what happens before the support moves is no rattling
+    rows.insert(0, row(stage=exchange.GRAVITY, unbalanced=9.0))  # a motion before the support moves is no rattling
     record = object.__new__(recorder.Record)
     record.rows, record._cut = rows, 1.0
     one, chosen = SimpleNamespace(live=None, support_speed=1.0, block_weight=10.0), SimpleNamespace(rattling=0.02)

@@ -95,7 +95,7 @@ def test_friction_that_feeds_a_swing_does_not_hide_the_plateau(tmp_path: Path) -
 @pytest.mark.slow
 @pytest.mark.yade
 def test_a_single_jump_calls_for_critical_damping(tmp_path: Path) -> None:
-    """A leaning wall, friction 1.2: under light damping one jump of a block by inertia, which no scatter of the plateau shows."""
+    """A leaning wall, friction 1.2. Under light damping one block jumps by inertia, which no scatter of the plateau shows."""
     run, coulomb = by_both_methods(scenes.load(wall("leaning", 1.2, 2).text), tmp_path)
     assert run.settings["damping_ratio"] == pytest.approx(1.0) and "blocks rattle" in run.result.message
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty + 5e-3 * coulomb.value
@@ -126,7 +126,7 @@ def test_a_plateau_that_the_reaction_leaves_is_kept(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.yade
 def test_joints_four_times_stiffer_show_the_same_plateau(tmp_path: Path) -> None:
-    """The wall of the last test: its stiffer joints release the thrust within half the settlement, which once was before the first fit."""
+    """The wall of the last test. Stiffer joints release the thrust within half the settlement, which once was before the first fit."""
     scene = drawn(64, EARLIER_SEED).scene
     first, _ = by_both_methods(scene, tmp_path / "usual")
     stiffer = same_structure(scene, {"yade.stiffening": 4.0 * first.settings["stiffening"]}, "stiffer")
@@ -138,7 +138,7 @@ def test_joints_four_times_stiffer_show_the_same_plateau(tmp_path: Path) -> None
 @pytest.mark.slow
 @pytest.mark.yade
 def test_weights_leave_no_trace_of_how_they_came(tmp_path: Path) -> None:
-    """Where weights come at once, this scene rests on 0.6 % less, and friction keeps 2 % of it to the plateau."""
+    """Weights that come at once reduce this scene's reaction at rest by 0.6 %, and friction keeps a trace of 2 % to the plateau."""
     run, coulomb = by_both_methods(drawn(139, EARLIER_SEED).scene, tmp_path)
     assert run.settings["gravity_ramp"] > 0.0
     at_rest = run.record.reaction[run.record.stage == 0][-1]
@@ -148,7 +148,7 @@ def test_weights_leave_no_trace_of_how_they_came(tmp_path: Path) -> None:
 
 @pytest.mark.yade
 def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) -> None:
-    """Stiff joints may show their plateau anywhere on the way: states a fixed distance apart once left one on it, and no mechanism."""
+    """Stiff joints may show their plateau anywhere on the way. States at fixed distances once left a single one on it, and no mechanism."""
     stiff = same_structure(
         scenes.shipped("two_pads"), {"yade.stiffening": 64.0, "yade.stop_uncertainty": 1e-9, "yade.record_rows": 600}, "stiff"
     )
@@ -160,7 +160,7 @@ def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) 
 @pytest.mark.parametrize("travel", [1.0, 2.0, 8.0, 64.0])
 @pytest.mark.parametrize("settled", [0.0, 0.5, 0.9])
 def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path_took_to_settle(travel: float, settled: float) -> None:
-    """Travel over sag counts: up to 32 times the stiffness, then more of the travel, and at most all of it."""
+    """Travel over sag counts. The run gets up to 32 times the stiffness, then more of the travel, and at most all of it."""
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, travel, 200)
     value = np.where(way <= settled * travel, 1.0015, 1.0009)  # never flat at the value
 
@@ -185,7 +185,7 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
 def test_a_path_that_went_on_after_its_curve_was_flat_at_its_value_asks_for_no_stiffer_joints(
     apart: float, travels: float, settled: float
 ) -> None:
-    """The path waited for a contact point to change its state, up to 16 travels, and its value was the same, or not."""
+    """The path waited up to 16 travels for a contact point to change its state. Its value then was the same, or another."""
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 16.0, 2000)
     found = settings_after_path(analysis_of(scene, way, np.where(way <= settled, 2.0, 1.0 + apart), 1.0))
     flat = travels if settled < 1.0 else max(travels, 8.0)  # the curve is flat over three quarters of the way
@@ -201,12 +201,12 @@ def test_a_curve_that_leaves_its_value_after_it_was_flat_there_is_followed_until
 @pytest.mark.parametrize(("near", "stiffening", "share"), [(0.3, 4.0, 0.125), (0.1, 4.0, None), (3.0, 12.0, 0.4167), (40.0, 32.0, 1.0)])
 @pytest.mark.parametrize("jump", [0.0, 0.5])
 def test_a_long_run_covers_the_way_to_half_a_percent(near: float, stiffening: float, share: float | None, jump: float) -> None:
-    """A path of 64 travels that settles at `near` within 0.4 %, but for a jump later on, and never within 0.1 %.
+    """A path of 64 travels settles at `near` within 0.4 %, but for a later jump, and never within 0.1 %.
 
-    jump: its length over the longest that counts as one.
+    jump: its length over the longest that counts as a jump.
     """
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 64.0, 640001)
-    last = near if jump else near * (1.0 + JUMPS)  # without a later jump the last hundredth of this way may pass for one
+    last = near if jump else near * (1.0 + JUMPS)  # without a later jump the last hundredth of this way may pass for a jump
     analysis = analysis_of(scene, way, np.where((way <= last) | jumps_at(50.0, jump, way), 1.01, 1.004), 1.0)
     found = settings_of_long_run(analysis)
     assert found["least_stiffening"] == pytest.approx(stiffening, rel=1e-3) and found["settings_uncertainty"] == 0.005
@@ -218,7 +218,7 @@ def test_a_long_run_covers_the_way_to_half_a_percent(near: float, stiffening: fl
 
 
 def test_what_is_longer_than_a_jump_is_part_of_the_curve() -> None:
-    """For a long run the curve settles behind it: at five travels, 20 times the stiffness."""
+    """In a long run the curve settles only behind such a stretch: at five travels, with 20 times the stiffness."""
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 64.0, 640001)
     jump = settings_of_long_run(analysis_of(scene, way, np.where((way <= 1.0) | jumps_at(5.0, 0.9, way), 1.01, 1.004), 1.0))
     longer = settings_of_long_run(analysis_of(scene, way, np.where((way <= 1.0) | jumps_at(5.0, 1.2, way), 1.01, 1.004), 1.0))
@@ -227,7 +227,7 @@ def test_what_is_longer_than_a_jump_is_part_of_the_curve() -> None:
 
 
 def jumps_at(place: float, jump: float, way: np.ndarray) -> np.ndarray:
-    """Where a path jumps at a place, in travels; jump: its length over the longest that counts as one."""
+    """Mask (T,) of a path's jump at a place, in travels. jump: its length over the longest that counts as a jump."""
     return (way > place) & (way <= place * (1.0 + jump * JUMPS))
 
 
@@ -248,12 +248,12 @@ def test_all_attempts_together_take_a_bounded_number_of_steps(points: int, most:
 
 @pytest.mark.parametrize(("reaction", "allowed"), [(0.0, 0.02), (249.0, 0.02), (-1000.0, 0.08)])
 def test_what_counts_as_rattling_is_small_beside_a_block_or_beside_the_reaction(reaction: float, allowed: float) -> None:
-    """Blocks of 10 N: one of them that jumps is nothing beside a reaction of 1 kN."""
+    """A jumping block of 10 N is negligible beside a reaction of 1 kN."""
     one: Any = SimpleNamespace(live=None, support_speed=1.0, block_weight=10.0)
     chosen: Any = SimpleNamespace(rattling=0.02)
     assert settings.rattling_of(one, chosen, reaction) == pytest.approx(allowed)
     one.live, one.support_speed = np.array([1.0, 0.0, 0.0]), 1.0
-    assert settings.rattling_of(one, chosen, reaction) == chosen.rattling  # there the reaction is a multiplier
+    assert settings.rattling_of(one, chosen, reaction) == chosen.rattling  # the reaction to a live load is a multiplier
 
 
 def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_a_given_step(tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_
 
 
 def test_a_run_has_the_defaults_that_pages_and_terminal_show(tmp_path: Path) -> None:
-    """Of a small structure of which limit analysis asks for nothing else; all other settings are derived from it."""
+    """The structure is small, and limit analysis requests nothing else. All other settings are derived from the structure."""
     case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")
     one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
     chosen = settings.derive(replace(one, overrides={}))
@@ -278,7 +278,7 @@ def test_a_run_has_the_defaults_that_pages_and_terminal_show(tmp_path: Path) -> 
 
 
 def test_joints_without_dashpots_have_a_time_step(tmp_path: Path) -> None:
-    """Nothing decays then, so that the step is the longest that the swing allows."""
+    """Without dashpots nothing decays, so that the step is the longest that the swing allows."""
     case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")
     one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
     slight, none = (settings.derive(replace(one, overrides={"damping_ratio": ratio})) for ratio in (1e-9, 0.0))
@@ -287,7 +287,7 @@ def test_joints_without_dashpots_have_a_time_step(tmp_path: Path) -> None:
 
 
 def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the scene sets holds in both; a file without settings of a long run, as of version 0.2.0, has one set for both."""
+    """Settings of the scene hold in both sets. A file without settings of a long run, as of version 0.2.0, has one set for both."""
     analysis = analyse(same_structure(scenes.shipped("wall_third"), {"yade.rattling": 0.03}, "set"))
     assert analysis.coulomb is not None
     never_flat = replace(analysis.coulomb, travel=16.0, path_value=1.0009 * analysis.coulomb.path_value)
@@ -325,5 +325,5 @@ def test_a_large_structure_has_its_swing_damped_at_once_moves_faster_and_stops_s
     slender = settings.derive(replace(one, sway=100.0 * one.sag))
     assert (slender.swing_damping, slender.damping_ratio, slender.stop_uncertainty) == (0.0, 0.3, 0.005)
     asked = settings.derive(replace(one, overrides={"swing_damping": 0.0, "stop_uncertainty": 1e-3}))
-    assert asked.damping_ratio == 0.3  # nothing else damps
+    assert asked.damping_ratio == 0.3  # no other damping acts
     assert (asked.swing_damping, asked.stop_uncertainty, asked.travel_periods) == (0.0, 1e-3, pytest.approx(600.0))

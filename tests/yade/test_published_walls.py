@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
 @pytest.mark.parametrize("number", [3, 4])
 def test_walls_with_windows_go_through_both_methods(number: int, tmp_path: Path) -> None:
-    """The smaller two; the page on the published walls holds all six."""
+    """These are the smaller two. The page on the published walls has all six."""
     scene = la_core.build(published_walls.tables(number), f"wall_{number}")
     summary = run_scene(scene, tmp_path / "results", Silent(), with_yade=True, figures=lambda _: {})
     coulomb, yade = summary["limit_analysis"]["coulomb"]["shared_inset"], summary["yade"]

@@ -1,4 +1,4 @@
-"""What a run records of YADE's bodies: motions, work, energies and forces of states that are made up, without YADE."""
+"""The record of YADE's bodies: motions, work, energies and forces of made-up states, without YADE."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -38,7 +38,7 @@ class Turn:
 
 
 class Scene:
-    """YADE's scene with one clump a block, whose number is that of the block and ten, and contact spheres 0 to 3."""
+    """YADE's scene with one clump per block, numbered from 10 on in the order of the blocks, and contact spheres 0 to 3."""
 
     def __init__(self) -> None:
         self.time, self.dt = 4.0, 0.25
@@ -80,7 +80,7 @@ def record_of(twists: Any = (DOWN, DOWN), leader: int = 2, **changes: Any) -> An
 
 
 def test_a_row_tells_energy_work_and_what_is_unbalanced(scene: Scene) -> None:
-    """A dead load that pushes block 0 along x, and a couple about its y axis."""
+    """A dead load pushes block 0 along x and has a couple about its y axis."""
     load = np.zeros((4, 6))
     load[0] = [8.0, 0.0, 0.0, 0.0, 5.0, 0.0]
     record = record_of(applied_load=load)
@@ -109,7 +109,7 @@ def test_the_reaction_is_what_all_supports_resist_by_their_shares_and_moments_ar
 
 
 def test_supports_that_turn_resist_by_moments_about_their_axis(scene: Scene) -> None:
-    """About an axis along y through x = -1, so that block 2 resists its force at an arm of 1 m."""
+    """The axis runs along y through x = -1, so that block 2 resists its force at an arm of 1 m."""
     axis = np.array([0.0, 1.0, 0.0])
     record = record_of([[*np.cross([-1.0, 0.0, 0.0], axis), *axis]] * 2)
     scene.force[12] = np.array([0.0, 0.0, -30.0])
@@ -150,7 +150,7 @@ def test_a_live_load_moves_the_blocks_by_the_mean_that_its_shares_weigh(scene: S
     extra[0, :3], extra[0, 4] = 9.81 * live, 9.81 * 0.5
     record = record_of(live=live, live_load=extra)
     scene.state(0).pos = CENTROID[0] + [0.5, 0.0, 0.0]
-    assert record.settlement() == 0.0  # it counts from rest
+    assert record.settlement() == 0.0  # the settlement counts from rest
     record.start_load()
     for block, way in enumerate((0.1, 0.3)):
         scene.state(block).pos = np.add(scene.state(block).pos, [way, 0.0, 7.0])
@@ -205,7 +205,7 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
 
 
 def test_blocks_rattle_where_forces_are_unbalanced_on_the_mean_of_the_later_travel() -> None:
-    """The way to the plateau does not count, nor does one force: 1 and 3 are 2 on the mean."""
+    """Forces on the way to the plateau do not count, nor does a single force: the mean of 1 and 3 is 2."""
     rows = [SimpleNamespace(settlement=place, unbalanced=force) for place, force in ((0.1, 10.0), (0.6, 1.0), (0.9, 3.0))]
     record: Any = SimpleNamespace(settlement=lambda: 1.0, settling=lambda: rows)
     assert recorder.Record.rattles(record, 0.5, 1.9) and not recorder.Record.rattles(record, 0.5, 2.1)

@@ -1,4 +1,4 @@
-"""What a run of YADE says while it goes on: the share that is done and the time that is left, at the pace of the attempt."""
+"""The reports of a run of YADE while it goes on: the share that is done and the time that is left, at the pace of the attempt."""
 
 import io
 import json
@@ -12,7 +12,7 @@ from yade_scripts.expected_steps import LATE_MORE, AttemptSteps
 
 
 class Clocked:
-    """A reporter on a clock of its own."""
+    """A reporter with a clock that the test sets."""
 
     def __init__(self, run_case: Any, monkeypatch: pytest.MonkeyPatch) -> None:
         self.now, self.stream = 0.0, io.StringIO()

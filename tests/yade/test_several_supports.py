@@ -1,4 +1,4 @@
-"""Supports that move by different shares of one settlement: statics by hand, by both methods, and what is refused."""
+"""Supports that move by different shares of one settlement: statics by hand, both methods, and refused motions."""
 
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ def columns(**settlement: Any) -> Scene:
 
 
 def beam(**settlement: Any) -> Scene:
-    """A rigid beam of 1200 kg on pads at its ends and in the middle; it lies on two of them as soon as one leaves it."""
+    """A rigid beam of 1200 kg on pads at its ends and in the middle; it lies on two of them as soon as one pad leaves it."""
     pads = [scenes.box(f"pad {k}", (x, 0.0, -0.2), (x + 0.2, 0.5, 0.0), "support") for k, x in enumerate((0.0, 1.0, 2.2))]
     return scenes.build(
         *pads, scenes.box("beam", (0.0, 0.0, 0.0), (2.4, 0.5, 0.5)), settlement={"direction": DOWN, **settlement}, inset=INSET, model="auto"
@@ -44,7 +44,7 @@ def beam(**settlement: Any) -> Scene:
 
 
 LEFT, RIGHT = 600.0 * GRAVITY, 1200.0 * GRAVITY
-# Of the beam as it turns about the inner edge of pad 0, on the outer edge of pad 2, where it sinks most.
+# Force on the outer edge of pad 2, where the beam sinks most, as it turns about the inner edge of pad 0.
 ON_TWO = 1200.0 * GRAVITY * (1.2 - 0.2 + INSET) / (2.4 - 0.2)
 CLOSED_FORMS = {  # reaction: sum over the supports of their force times their share of the settlement
     "two ratios": (lambda: columns(zone=[{"blocks": ["right pad"], "ratio": 0.5}]), LEFT + 0.5 * RIGHT),
@@ -79,7 +79,7 @@ def turning(low: float, *profile: tuple[float, float], top: float = 0.0) -> Scen
 
 
 def on_edges(left: float, right: float, *profile: tuple[float, float]) -> float:
-    """Reaction over W of a beam of 1.2 m that lies on two edges: the share of each by moments, times what the edge sinks by."""
+    """Reaction over W of a beam of 1.2 m that lies on two edges: the share of each by moments, times the settlement of the edge."""
     on_right = (0.6 - left) / (right - left)
     places, ratios = np.array(profile).T
     return float((1.0 - on_right) * np.interp(left, places, ratios) + on_right * np.interp(right, places, ratios))
@@ -89,7 +89,7 @@ TROUGH, HUMP = ((0.0, 0.4), (0.6, 1.0), (1.2, 0.8)), ((0.0, 1.0), (0.6, 0.4), (1
 TURNING = {  # both pads turn: in a trough the beam lies on their outer edges, on a hump on their inner ones
     "trough": (lambda: turning(1.0, *TROUGH), on_edges(INSET, 1.2 - INSET, *TROUGH)),
     "hump": (lambda: turning(0.9, *HUMP), on_edges(0.2 - INSET, 0.9 + INSET, *HUMP)),
-    # It goes with its pads: all of its weight, times what its middle sinks by.
+    # The beam moves with its pads: its whole weight, times the settlement of its middle.
     "slope": (lambda: turning(1.0, (0.0, 1.0), (1.2, 0.4)), 0.7),
 }
 
@@ -120,7 +120,7 @@ def test_the_last_zone_that_names_a_support_gives_its_share() -> None:
 
 @pytest.mark.parametrize("top", [-3.0, 0.7, 50.0])
 def test_a_profile_means_the_same_at_every_height(top: float) -> None:
-    """Tops of supports sink straight down, wherever z = 0 is; else friction under them would depend on it."""
+    """Tops of supports sink straight down, wherever z = 0 is. Otherwise the height would change the friction on them."""
     low, moved = (analyse(turning(1.0, *TROUGH, top=height)) for height in (0.0, top))
     for drive in (Drive.YIELDING, Drive.PUSHING):
         assert moved.bounds[drive].value == pytest.approx(low.bounds[drive].value, rel=1e-6)
@@ -193,7 +193,7 @@ def test_supports_follow_a_profile_at_both_ends() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_random_shares_have_the_reaction_of_the_static_form(seed: int) -> None:
-    """A wall on four supports with random shares or a random profile: an own programme of forces, independent of the kinematic one."""
+    """A wall on four supports with random shares or a random profile, against a programme of forces that shares no kinematics."""
     rng = np.random.default_rng(seed)
     ends = np.linspace(0.0, 3.2, 5).round(9).tolist()
     pads = [scenes.box(f"pad {k}", (ends[k], 0.0, -0.2), (ends[k + 1], 0.3, 0.0), "support") for k in range(4)]
@@ -229,7 +229,7 @@ def test_what_moves_no_support_or_has_no_one_meaning_is_refused(settlement: dict
 
 
 def test_supports_that_move_alike_are_one_motion() -> None:
-    """Equal shares written out are the settlement itself: the same assembly, and no more fields in the file."""
+    """Shares of 1, written out, are the settlement itself: the same assembly, and no more fields in the file."""
     plain, spelt = columns(), columns(zone=[{"blocks": ["*"], "ratio": 1.0}])
     assert spelt.own_twists is None and columns(zone=[{"blocks": ["*"], "ratio": 0.5}]).own_twists is not None
     np.testing.assert_array_equal(assemble(plain).support_twist, assemble(spelt).support_twist)

@@ -1,4 +1,4 @@
-"""One small scene of every shape by both methods, and rubble with joints from 5 mm to 1 m: what is small decides nothing."""
+"""One small scene of every shape by both methods, and rubble with joints from 5 mm to 1 m, whose short joints decide nothing."""
 
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,8 @@ from la_core.scene import Scene, build
 
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
-# Seeds of walls in which no stone hangs on a short joint. In YADE the first one flutters, and one has a corner of 51 degrees, which a
-# sphere as large as elsewhere would look out of.
+# Seeds of walls in which no stone hangs on a short joint. In YADE the first one flutters. One has a corner of 51 degrees, out of which a
+# sphere as large as elsewhere would reach.
 RUBBLE = (1, 4, 6, 7, 8)
 FOOTING = {"height": 0.2, "settling": (0.9, 1.8)}
 WIDER = {"height": 0.2, "settling": (1.2, 2.4)}
@@ -113,7 +113,7 @@ SHAPES = {
 
 
 def by_both(scene: Scene, folder: Path) -> Result:
-    """The result of both methods; their values must meet, and what keeps them from a verdict must be named with a next step."""
+    """The result of both methods. Their values must agree, and the reason for a missing verdict must be named with a next step."""
     result = run(scene, folder, quiet=True)
     coulomb, yade = result.answer.analysis.coulomb, result.yade
     assert coulomb is not None and yade is not None, result.reason
@@ -131,7 +131,7 @@ def test_both_methods_say_the_same_of_a_shape(name: str, tmp_path: Path) -> None
 
 @pytest.mark.parametrize("seed", RUBBLE)
 def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(seed: int, tmp_path: Path) -> None:
-    """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or are not there.
+    """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or do not exist.
 
     A stone that hangs on a short joint falls without it, and that is another structure. Such walls are left out.
     """
@@ -146,4 +146,4 @@ def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(seed: int, tm
     assert joints["kept"] - rubble.SHRUNK == joints["dropped"] == joints["one point"]
     assert len({result.verdict for result in results.values()}) == 1
     ratios = [result.yade.reaction / result.answer.analysis.coulomb.value for result in results.values()]
-    assert max(ratios) - min(ratios) <= 5e-3  # what a short joint carries, up to 2 % here, YADE and limit analysis both see
+    assert max(ratios) - min(ratios) <= 5e-3  # both methods include the force of a short joint, up to 2 % here

@@ -19,7 +19,7 @@ from yade_scripts.contacts.convex_parts import are_within, faces_of_parts, parts
 from yade_scripts.contacts.rows import rows_of
 from yade_scripts.contacts.sphere_placement import depth_in_faces, hosts, largest_radius
 
-LINEAR = 1.1  # of the growth of the row of blocks
+LINEAR = 1.1  # most growth of the looks, over that of the row of blocks
 SHARP = 7  # seed of a wall with a corner of 51 degrees
 
 
@@ -28,7 +28,7 @@ SHARP = 7  # seed of a wall with a corner of 51 degrees
     [
         ((True, False), "b", "b"),  # a box offers its face, however near an edge the point lies
         ((False, True), "a", "a"),
-        ((True, True), "a", "b"),  # of two boxes or none, that offers its face in which the point lies farther from the edges
+        ((True, True), "a", "b"),  # of two boxes or none, the block offers its face whose edges are farther from the point
         ((True, True), "b", "a"),
         ((False, False), "a", "b"),
         ((False, False), "b", "a"),
@@ -40,7 +40,7 @@ def test_the_sphere_lies_in_the_block_whose_face_is_the_worse_target(boxes: tupl
 
 
 def test_spheres_keep_clear_of_the_other_faces_of_their_block(tmp_path: Path) -> None:
-    """A sphere as large as half the inset looks out of a corner of less than 53 degrees, and touches what lies there."""
+    """A sphere with a radius of half the inset reaches out of a corner of less than 53 degrees, and touches the next block."""
     scene = rubble.wall(rubble.shrunk(rubble.profiles(SHARP), 0.005))
     write_case(tmp_path / "case.h5", analyse(scene), "test")
     one = case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))
@@ -58,7 +58,7 @@ def test_spheres_keep_clear_of_the_other_faces_of_their_block(tmp_path: Path) ->
 
 
 def test_faces_between_the_parts_of_a_stone_do_not_shrink_its_spheres(tmp_path: Path) -> None:
-    """Parts of a stone that lies around a curve meet in the planes of its chords, in which its contact points lie."""
+    """Parts of a stone around a curve meet in the planes of the curve's chords. The stone's contact points lie in these planes, too."""
     angles = np.linspace(np.pi, np.pi / 2.0, 7)
     arc = [[float(x), float(z)] for x, z in np.stack([1.0 + np.cos(angles), np.sin(angles)], axis=1)]
     around = scenes.block("around", prism=([[-0.5, 0.0], *arc, [1.0, 1.5], [-0.5, 1.5]], [0.0, 0.4]))
@@ -81,7 +81,7 @@ FOOT = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.35], [0.4, 0.35], [0.4, 0.8], [0.0, 0.8]
 def test_a_face_lies_within_its_stone_where_all_of_it_meets_other_parts(
     profile: list[list[float]], foot: tuple[float, float], head: tuple[float, float]
 ) -> None:
-    """Also in walls whose faces lean: of two faces that meet, only the smaller one lies within."""
+    """This holds in walls with leaning faces, too. Of two faces that meet, only the smaller one lies within."""
     blocks = Blocks.gather(["stone"], ["free"], [2000.0], [leaning(profile, foot, head, (0.0, 0.8))])
     data = {f"blocks/{name}": getattr(blocks, name) for name in ("vertices", "face_vertex", "face_start", "vertex_start")}
     data |= {"parts/block": blocks.part_block, "parts/face_start": blocks.part_face_start}
@@ -92,7 +92,7 @@ def test_a_face_lies_within_its_stone_where_all_of_it_meets_other_parts(
 
 
 def test_a_plane_in_which_a_point_lies_to_rounding_does_not_shrink_its_sphere() -> None:
-    """Such as that of an inner corner of the stone."""
+    """An inner corner of the stone has such a plane."""
     normal = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
     offset = np.array([1.0, 0.0, 1.0, 0.0, 0.25])
     point, down, block = np.array([[0.25, 0.0, 0.0]]), normal[3:4], np.zeros(1, dtype=int)

@@ -1,4 +1,4 @@
-"""The stages of a run: when weights rest, how supports move, when states are stored, when it ends; with made-up bodies, without YADE."""
+"""The stages of a run with made-up bodies, without YADE: rest under the weights, motion of supports, stored states, and the end."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -23,9 +23,9 @@ DOWN = np.array([[0.0, 0.0, -1.0, 0.0, 0.0, 0.0]])
 
 
 class Yade:
-    """Bodies that follow their support at once; they swing under gravity until `rests_after`, s. It steps to one row after another.
+    """A stand-in for YADE, which steps to one row after another. Its bodies follow their support, and swing until `rests_after`, s.
 
-    As in YADE, the step in which it is paused is counted later.
+    As in YADE, the step in which the run is paused is counted later.
     """
 
     def __init__(self, rests_after: float) -> None:
@@ -56,7 +56,7 @@ class Yade:
 
 
 class Told:
-    """The record of such bodies."""
+    """The record of the bodies of this stand-in."""
 
     is_cut = False
 
@@ -111,7 +111,7 @@ class Search:
 
 @pytest.fixture
 def begun(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Give a run with changed settings, before it begins, and its bodies."""
+    """Return a function that makes a run with changed settings, before it begins, and its stand-in for YADE."""
 
     def begin(rests_after: float = 0.0, recording: str = "states", **changes: Any) -> tuple[Any, Yade]:
         yade = Yade(rests_after)
@@ -143,7 +143,7 @@ def test_a_support_begins_to_settle_once_all_weights_act_and_blocks_have_rested_
     assert run.record.poses[0].settlement == 0.0 and run.model.integrator.damping == 0.0
     early, _ = begun(rests_after=0.0)
     early.run()
-    assert rows(early, exchange.GRAVITY)[-1].time > 0.05  # weights that still grow are no rest
+    assert rows(early, exchange.GRAVITY)[-1].time > 0.05  # under growing weights there is no rest
 
 
 def test_rest_that_is_broken_counts_from_its_beginning(begun: Any) -> None:
@@ -174,7 +174,7 @@ def test_a_support_covers_its_whole_travel_and_the_lift_that_wedged_the_structur
 
 
 def test_a_support_begins_slowly(begun: Any) -> None:
-    """On a cosine ramp: over all of its time half of the way at full speed, and over the first half far less than half of that."""
+    """Over a cosine ramp it covers half of the way at full speed, and over the first half of the ramp far less than half of that."""
     run, _ = begun(ramp_time=0.01)
     run.run()
     settling = rows(run, exchange.SETTLEMENT)
@@ -226,7 +226,7 @@ def test_a_block_that_falls_ends_a_run_at_its_row_and_leaves_no_plateau(begun: A
 
 @pytest.mark.parametrize("rows_before", [0, 1, 2])
 def test_a_run_ends_where_a_block_comes_to_a_face_that_it_did_not_touch(rows_before: int, begun: Any) -> None:
-    """Faces are looked at in every fourth row, at the end, and where a block falls: a face may have caught it."""
+    """Faces are checked in every fourth row, at the end, and where a block falls, because a face may have caught it."""
     run, yade = begun()
     run.record.motion = lambda: ()
     run.near = SimpleNamespace(are_met=lambda: yade.moved > 3e-4)
@@ -248,7 +248,7 @@ def test_an_error_in_the_thread_of_yade_comes_out_of_the_run(begun: Any) -> None
     run.record.read_row = lambda *given: 1 / 0
     with pytest.raises(ZeroDivisionError):
         run.run()
-    assert yade.iter + yade.late == 10  # it ends at its row
+    assert yade.iter + yade.late == 10  # the run ends at its row
 
 
 @pytest.mark.parametrize(

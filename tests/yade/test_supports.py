@@ -1,4 +1,4 @@
-"""The engines that move supports: together they move every point of a support as its unit motion says, times the speed."""
+"""The engines that move supports: every point of a support moves by the support's unit motion times the speed."""
 
 import sys
 from types import ModuleType, SimpleNamespace
@@ -21,14 +21,14 @@ HALF_TURN = [0.5 * value for value in TURN]
 
 
 class TranslationEngine(SimpleNamespace):
-    """Keeps what it is given, and moves points as YADE's documentation says."""
+    """A stand-in that keeps its arguments and moves points as YADE's documentation states."""
 
     def moves(self, point: np.ndarray) -> np.ndarray:
         return self.velocity * self.translationAxis
 
 
 class HelixEngine(SimpleNamespace):
-    """The same about and along an axis."""
+    """A stand-in that turns points about an axis and moves them along it."""
 
     def moves(self, point: np.ndarray) -> np.ndarray:
         along = getattr(self, "linearVelocity", 0.0) * self.rotationAxis
@@ -54,20 +54,20 @@ def case_of(*twists: Any, **more: Any) -> Any:
     [
         ([HALF, DOWN, HALF], DOWN, [0.0, 0.0, 0.0], 2),
         ([DOWN, HALF], DOWN, [0.0, 0.0], 1),
-        ([HALF_TURN, TURN], TURN, [9.0, 2.5], 2),  # an angle is that of the one that turns most
-        ([TURN, TURN], DOWN, [3.0, 5.0], 2),  # a way is that of the one farthest from the axis
+        ([HALF_TURN, TURN], TURN, [9.0, 2.5], 2),  # for an angle the support leads that turns most
+        ([TURN, TURN], DOWN, [3.0, 5.0], 2),  # for a way the support leads that is farthest from the axis
         ([TURN, TURN], DOWN, [5.0, 3.0], 1),
     ],
 )
 def test_the_support_that_moves_most_leads(twists: list[list[float]], motion: list[float], places: list[float], leader: int) -> None:
-    """places: of their centroids along x, at the height of the axis."""
+    """places: of the supports' centroids along x, at the height of the axis."""
     centroid = np.array([[0.0, 0.0, 0.0], *([x, 0.0, -1.0] for x in places)])
     role = np.array([exchange.FREE, *[exchange.SUPPORT] * len(twists)])
     assert case_of(*twists, role=role, live=None, support_twist=np.array(motion), centroid=centroid).leader == leader
 
 
 def test_the_speed_of_supports_is_that_of_their_fastest_contact_point_beside_the_other_block() -> None:
-    """About an axis 1 m and 4 m away, beside a free block; two supports that move alike, 8 m away, do not part."""
+    """Points beside a free block are 1 m and 4 m from the axis. The point of two supports that move alike, at 8 m, does not count."""
     position = np.array([[3.0, 0.0, -1.0], [-2.0, 0.0, -1.0], [10.0, 0.0, -1.0]])
     contacts = {"block_a": np.array([0, 2, 1]), "block_b": np.array([1, 0, 2]), "position": position}
     assert case_of(TURN, TURN, live=None, **contacts).support_speed == pytest.approx(4.0)
@@ -77,7 +77,7 @@ def test_the_speed_of_supports_is_that_of_their_fastest_contact_point_beside_the
 
 @pytest.mark.parametrize(("plane", "size"), [(True, 2.0), (False, 9.0)])
 def test_units_of_force_and_of_length_are_those_of_a_free_block(plane: bool, size: float) -> None:
-    """Mean weight with dead loads, and median of the largest extent, in the plane without the depth; a held block counts in neither."""
+    """Units are the mean weight with dead loads, and the median largest extent, in the plane without depth. Held blocks do not count."""
     extents = [(1.0, 9.0, 0.5), (50.0, 9.0, 50.0), (2.0, 9.0, 1.0), (4.0, 9.0, 5.0)]
     vertices = tuple(np.array([[0.0, 0.0, 0.0], extent]) for extent in extents)
     masses = {"mass": np.array([2.0, 100.0, 4.0, 3.0]), "load_weight": np.array([5.0, 7.0, 0.0, 1.0])}
@@ -111,7 +111,7 @@ def test_supports_at_rest_stay_where_they_are() -> None:
 
 
 def test_a_ramp_begins_and_ends_smoothly() -> None:
-    """Half of the speed at half of its time, and as much missing before as there is beyond; full speed from its end on."""
+    """It gives half of the speed at half of its time, is symmetric about this point, and gives full speed from its end on."""
     assert [ramp(elapsed, 2.0) for elapsed in (0.0, 1.0, 2.0, 3.0)] == pytest.approx([0.0, 0.5, 1.0, 1.0])
     assert ramp(0.5, 2.0) == pytest.approx(1.0 - ramp(1.5, 2.0)) and ramp(1e-3, 2.0) < 1e-6
     assert ramp(0.0, 0.0) == 1.0  # no ramp at all

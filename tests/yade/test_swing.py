@@ -13,7 +13,7 @@ INERTIA = np.diag([2.0, 3.0, 4.0])[None]
 
 @dataclass
 class State:
-    """What the damper reads and sets of a block in YADE."""
+    """State of a block in YADE that the damper reads and sets."""
 
     vel: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     angVel: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # noqa: N815  YADE's name
@@ -27,16 +27,16 @@ def damper(state: State, by_momentum: bool = True) -> SwingDamper:
 def test_a_steady_motion_is_not_braked() -> None:
     state = State()
     one, impulses = damper(state), []
-    for _ in range(200):  # something drives the block at this velocity, whatever the damper did
+    for _ in range(200):  # the block is driven at this velocity, whatever the damper does
         state.vel, state.angVel, state.angMom = [1.0, 0.0, -2.0], [0.0, 3.0, 0.0], [0.0, 9.0, 0.0]
         one.damp()
         impulses.append([*np.subtract(state.vel, [1.0, 0.0, -2.0]), state.angVel[1] - 3.0, state.angMom[1] - 9.0])
     assert np.abs(impulses[-1]).max() < 1e-12
-    assert np.abs(impulses[0]).max() > 0.1  # it was felt until the mean had caught up
+    assert np.abs(impulses[0]).max() > 0.1  # the damper acted until the mean had caught up
 
 
 def test_a_swing_about_a_steady_motion_decays_and_the_motion_stays() -> None:
-    """A block on a spring that is drawn along: its lag comes to rest, its mean velocity is that of the support."""
+    """A spring draws a block along. The block's lag becomes constant, and its mean velocity is that of the spring's far end."""
     state, dt, stiffness, drawn = State(vel=[1.5, 0.0, 0.0]), 0.1, 4.0, 1.0
     one, place, lags = damper(state, by_momentum=False), 0.0, []
     for step in range(2000):

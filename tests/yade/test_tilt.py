@@ -1,4 +1,4 @@
-"""Ground that tilts: closed forms by both methods, the push that stands for it, what is said of the angle, and what is refused."""
+"""Tilting ground: closed forms by both methods, the equivalent push, the stated angle, and refused scenes."""
 
 import math
 from pathlib import Path
@@ -96,7 +96,7 @@ def test_a_tilt_is_the_push_and_the_same_structure_on_ground_tilted_by_the_angle
 
 
 def test_a_summary_has_the_angle_of_yades_multiplier_and_its_uncertainty() -> None:
-    """Half of what the angle changes by between both ends of the multiplier."""
+    """The uncertainty is half of the change of the angle between both ends of the multiplier."""
     run = {"status": "plateau", "message": "", "reaction": 0.35, "uncertainty": 2e-3}
     yade = comparison_summary(Results(analyse(stack(0.6, 0.4, friction=0.35))), run, [], [])["yade"]
     low, angle, high = (math.degrees(math.atan(tangent)) for tangent in (0.348, 0.35, 0.352))

@@ -1,4 +1,4 @@
-"""What the geometry can do to a reaction as blocks turn, by differences and by hand."""
+"""The change of a reaction by the geometry of turning blocks, by differences and by hand."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -18,7 +18,7 @@ def turned(spin: np.ndarray, vector: np.ndarray) -> np.ndarray:
 
 
 def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_way_of_each_point_over_its_face() -> None:
-    """Two blocks in any motion, on the way already: the second derivative by differences, in the frame of the face that turns."""
+    """Two blocks in random motion, which has already begun: the second derivative by differences, in the frame of the turning face."""
     draw = np.random.default_rng(7)
     centroid, velocity, spin, position, before, after, moved, leaning = draw.standard_normal((8, 2, 3))
     begun, travel, step = 0.3, 0.5, 1e-4
@@ -61,7 +61,7 @@ def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_liv
 
 
 def test_a_block_that_tips_under_a_live_load_bears_less_as_it_leans() -> None:
-    """Its multiplier is the tangent of an angle that falls by the tilt: -(1 + tan^2) over the height of its centroid above the edge."""
+    """The multiplier is the tangent of an angle that falls by the tilt. Its slope: -(1 + tan^2) over the centroid's height above it."""
     half, height, weight, turn = 0.25, 0.35, 1000.0, 1e-4
     multiplier = half / height
     forces = np.array([[-multiplier * weight, 0.0, weight]])  # of the ground on the block, along its edge

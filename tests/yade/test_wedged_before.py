@@ -1,4 +1,4 @@
-"""Another past may end in another mechanism: the interval of a prediction does not bind it, the bounds do."""
+"""Another past may end in another mechanism, whose value keeps within the bounds, but not within the interval of a prediction."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import la_core
 
 
 def block_under_a_leaning_wall(lift: float) -> la_core.Scene:
-    """A block from a ledge to a settling pad, below a wall that leans over its end; the pad is lifted by `lift`, m, before."""
+    """A block spans from a ledge to a settling pad, below a wall that leans over its end. The pad is first lifted by `lift`, m."""
 
     def box(name: str, role: str, low: tuple[float, float], high: tuple[float, float]) -> dict[str, object]:
         return {"name": name, "role": role, "box": {"from": [low[0], 0.0, low[1]], "to": [high[0], 0.2, high[1]]}}
@@ -35,7 +35,7 @@ def block_under_a_leaning_wall(lift: float) -> la_core.Scene:
 
 
 def test_a_block_that_was_wedged_leaves_the_interval_that_holds_from_rest(tmp_path: Path) -> None:
-    """From rest moments about the ledge's edge give the reaction; between walls that hold it the block needs no support."""
+    """From rest, moments about the ledge's edge give the reaction. A lift wedges the block between the walls, and it needs no support."""
     from_rest, lifted = (comparison.run(block_under_a_leaning_wall(lift), tmp_path, quiet=True) for lift in (0.0, 5e-4))
     by_moments = ((0.225 * 0.45 + 0.0125 * 2.8 / 3.0) / 0.2375 - 0.099) / (0.999 - 0.099)  # a rectangle and a triangle; edges at the inset
     weight = from_rest.scene.weight

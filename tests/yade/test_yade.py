@@ -28,7 +28,7 @@ from la_core.scene.scene import load_scene
 
 CrossCheck = Callable[[str], CrossChecked]
 
-HALF_PER_CENT = 5e-3  # what the method promises on cases with exact values
+HALF_PER_CENT = 5e-3  # relative: promised accuracy where values are exact
 
 
 @pytest.fixture(scope="session")
@@ -89,7 +89,7 @@ def test_nothing_listens_while_yade_runs(yade: Yade, tmp_path: Path) -> None:
     command = [str(yade.python), str(script), str(tmp_path / "case.h5"), str(tmp_path / "run.h5")]
     with subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         assert process.stdout is not None
-        first = process.stdout.readline()  # the model stands and runs from here on
+        first = process.stdout.readline()  # the model is built and runs from here on
         sockets = set()
         for _ in range(20):
             if process.poll() is None:

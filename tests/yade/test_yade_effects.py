@@ -27,13 +27,11 @@ from la_core.model import dem_effects
 from la_core.scene import Scene, same_structure
 
 SAME = 1e-7  # relative: one model whose forces are added up in another order; friction's history amplifies round-off
-# Of the stated uncertainty: a face as a box and as a polyhedron's triangles rounds differently, which history amplifies.
+# Of the stated uncertainty: faces of boxes and of polyhedra round differently, which friction's history amplifies.
 ALIKE = 1.0 / 20.0
-HALF_PER_CENT = 5e-3  # of the reaction: what the method promises where its value is known
+HALF_PER_CENT = 5e-3  # of the reaction: promised accuracy where its value is known
 ONE_ATTEMPT = {"yade.quick_speed": 0.0, "yade.swing_damping": 0.0, "yade.damping_ratio": 0.3}  # a reaction of zero has no plateau
-RADIUS = (
-    5e-4  # m, of a contact sphere at an inset of 1 mm: so deep the block is in when its sphere, one inset from its side, meets the face
-)
+RADIUS = 5e-4  # m, of a contact sphere at an inset of 1 mm; also the overlap of the block when its sphere, one inset inside, meets the face
 Ran = tuple[LimitAnalysis, Run]
 
 
@@ -51,7 +49,7 @@ every_text = pytest.mark.parametrize("name", [name if name == "two_pads" else py
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], Ran]:
-    """Results of one of the TEXTS with the displacement and recording asked for, run once a module."""
+    """Results of one of the TEXTS with the requested displacement and recording, run once per module."""
     results = tmp_path_factory.mktemp("effects")
 
     @functools.cache
@@ -63,12 +61,12 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], R
 
 
 def cost(scene: Scene, folder: Path) -> dict:
-    """What YADE builds for a scene, and what it costs."""
+    """Objects that YADE builds for a scene, and their cost."""
     return measured("yade_cost.py", analyse(scene), folder, "10")
 
 
 def measured(script: str, analysis: LimitAnalysis, folder: Path, *options: str) -> dict:
-    """What a script of the benchmarks measures on a case in YADE's interpreter: it builds the case as it is, search included."""
+    """Measurements of a benchmark script on a case in YADE's interpreter. The script builds the case unchanged, including a search."""
     write_case(folder / "case.h5", analysis, "test")
     yade = installation.find_yade()
     environment = {**installation.yade_environment(), "YADE_MODULES": str(yade.modules)}
@@ -82,7 +80,7 @@ def measured(script: str, analysis: LimitAnalysis, folder: Path, *options: str) 
 
 @every_text
 def test_finite_displacements_cost_nothing_where_no_other_blocks_can_meet(name: str, ran: Callable[..., Ran]) -> None:
-    """YADE then looks for no new contact either way: equal bits."""
+    """YADE looks for no new contact in either case, so that the results are equal to the last bit."""
     (small_analysis, small), (_, finite) = ran(name, "small"), ran(name, "finite")
     assert small_analysis.assembly.effects.displacement == "small"
     assert small.status == finite.status == "plateau"
@@ -93,7 +91,7 @@ def test_finite_displacements_cost_nothing_where_no_other_blocks_can_meet(name: 
 @pytest.mark.yade
 @pytest.mark.parametrize("name", ["two_pads", *(pytest.param(name, marks=pytest.mark.slow) for name in ("arch", "wall", "leaning wall"))])
 def test_a_search_that_finds_no_new_contact_changes_no_reaction(name: str, tmp_path: Path) -> None:
-    """Contacts open and close in all of them, and the collider finds them again; blocks of the arch and the leaning wall are polyhedra."""
+    """Contacts open and close in all scenes, and the collider finds them again. The arch and the leaning wall have polyhedra as blocks."""
     scene = drawn(11, EARLIER_SEED).scene if name == "leaning wall" else with_effects(TEXTS[name])
     analysis, found = analyse(scene), {}
     for displacement in ("small", "finite"):
@@ -109,10 +107,10 @@ def test_a_search_that_finds_no_new_contact_changes_no_reaction(name: str, tmp_p
 def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements_are_finite(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The stop then holds the block by the friction under it, mu W; without it the pad carries the block along for nothing."""
+    """The stop then holds the block against the friction under it, mu W. Without the stop the pad carries the block along freely."""
     scene = with_effects(buffer(), displacement="finite")
     _, finite = run_in_yade(scene, tmp_path / "finite")
-    monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)  # past the guard: nothing counts as within reach
+    monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)  # past the guard: no block counts as within reach
     analysis, small = run_in_yade(same_structure(with_effects(buffer(), displacement="small"), ONE_ATTEMPT, "small"), tmp_path / "small")
     names = analysis.assembly.blocks.names
     block, settled = names.index("block"), small.poses["settlement"][-1]
@@ -128,7 +126,7 @@ def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements
 @pytest.mark.yade
 @pytest.mark.slow
 def test_a_small_run_that_went_too_far_is_run_again_with_finite_displacements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Through both methods: the block carried through the stop is noticed, and what was called back is found again by the next call."""
+    """Both methods run. The passage of the block through the stop is noticed, and the next call finds the restored effect in its files."""
     monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)
     scene, heard = with_effects(buffer()), []
 

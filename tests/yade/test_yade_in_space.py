@@ -15,15 +15,15 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene
 
-HALF_PER_CENT = 5e-3  # of the reaction: what both methods promise where its history does not decide
-HISTORY = 1e-2  # of the reaction: what friction's history leaves open where joints slide
+HALF_PER_CENT = 5e-3  # of the reaction: promised accuracy of both methods where friction's history does not decide
+HISTORY = 1e-2  # of the reaction: uncertainty from friction's history where joints slide
 SAME = 1e-5  # relative: Coulomb limit analysis of the same structure in another frame; its iteration amplifies round-off
 CrossCheck = Callable[[Scene], dict]
 
 
 @pytest.fixture
 def cross_check(tmp_path: Path) -> CrossCheck:
-    """Take a scene through both methods; what comparison.json then holds."""
+    """Return a function that runs a scene by both methods and returns the content of comparison.json."""
 
     def run(scene: Scene) -> dict:
         path = tmp_path / "scene.toml"
@@ -67,7 +67,7 @@ def test_a_slab_at_any_angle_in_space_carries_what_it_carries_upright(seed: int,
 @pytest.mark.yade
 @pytest.mark.parametrize("angle", [0.35, pytest.param(0.9, marks=pytest.mark.slow)])
 def test_beams_crossed_askew_rest_on_the_corners_where_their_edges_cross(angle: float, cross_check: CrossCheck) -> None:
-    """A beam askew over two rails: no corner of any block lies at a contact point, all are crossings of edges."""
+    """A beam lies askew over two rails. All contact points are crossings of edges, and none is a corner of a block."""
     across = scenes.rotation((0.0, 0.0, 1.0), angle)
     beam = np.array([(x, y, z) for x in (-0.2, 1.3) for y in (-0.1, 0.1) for z in (0.0, 0.2)]) @ across.T
     scene = scenes.build(
@@ -85,7 +85,7 @@ def test_beams_crossed_askew_rest_on_the_corners_where_their_edges_cross(angle: 
 @pytest.mark.slow
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (1.0, 1.0, 0.0)])
 def test_a_pier_that_tilts_under_a_slab_feels_the_moment_of_its_load(axis: tuple[float, float, float], cross_check: CrossCheck) -> None:
-    """Its head moves sideways, too, and slides under the slab."""
+    """The head of the pier moves sideways, too, and slides under the slab."""
     slab = scenes.box("slab", (0.0, 0.0, 0.0), (1.0, 1.0, 0.15))
     settlement = {"axis": axis, "point": (0.0, 0.0, -0.2)}
     scene = scenes.build(slab, *piers(("fixed", "support", "fixed")), settlement=settlement, inset=0.001, model="coulomb", plane=False)
@@ -106,7 +106,7 @@ def test_a_small_building_settles_at_its_corner_or_along_a_strip(region: tuple, 
 @pytest.mark.yade
 @pytest.mark.long
 def test_irregular_stones_of_a_mesh_at_any_angle_in_space_go_through_both_methods(tmp_path: Path) -> None:
-    """The shipped wall with its mesh turned and shifted, gravity and settlement turned along: 3D, and the same reaction."""
+    """The mesh of the shipped wall is turned and shifted, and gravity and settlement turn with it. The 3D model has the same reaction."""
     axis, degrees = (1.0, 2.0, -0.5), 40.0
     down = scenes.rotation(axis, np.radians(degrees)) @ scenes.DOWN
     text = (scenes.SHIPPED / "rubble_wall.toml").read_text(encoding="utf-8")

@@ -17,9 +17,9 @@ from la_core.analysis.stage import analyse
 
 CrossCheck = Callable[[str], CrossChecked]
 HOLD = Path(__file__).parents[1] / "benchmarks" / "yade_hold.py"
-STEPS = 40_000  # of a hold: most of what a wall takes to its plateau
-PENETRATION = 0.1  # of a sphere's radius: twice what the joints' stiffness is chosen for, glued under the weights
-MOST_PENETRATION = 0.5  # the same on the way to the plateau, where few points carry what many did
+STEPS = 40_000  # of a hold: most of the steps that a wall takes to its plateau
+PENETRATION = 0.1  # of a sphere's radius: the stiffness is chosen for half of it, with glued joints under the weights
+MOST_PENETRATION = 0.5  # the same on the way to the plateau, where few points carry the load of many
 
 
 def with_settings(name: str, path: Path, **settings: float) -> Path:
@@ -43,8 +43,8 @@ def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
     found = json.loads(done.stdout.splitlines()[-1])
     held = np.array(found["held"])
     assert len(held) >= 40
-    assert held.max() <= max(found["at rest"], found["rest_energy"])  # no more than what counts as rest
-    assert held[-10:].max() <= 0.01 * found["rest_energy"]  # the joints' own damping has taken what was left
+    assert held.max() <= max(found["at rest"], found["rest_energy"])  # no more than counts as rest
+    assert held[-10:].max() <= 0.01 * found["rest_energy"]  # the joints' own damping has dissipated the rest
     assert found["moved"] <= 0.05 * found["sag"]
 
 
