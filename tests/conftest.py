@@ -26,11 +26,11 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 
-os.environ.pop("COLUMNS", None)  # a run in parallel sets it to its terminal's width; tables are tested at the width of a pipe
+os.environ.pop("COLUMNS", None)  # parallel runs set it to the terminal's width; tables are tested at the width of a pipe
 STARTS_YADE = {"cross_checked", "undisturbed", "copy", "yade", "ran", "altered_yade"}
-# Scenes whose runs `make test` judges: seconds each, and together sliding joints in the plane, an arch, and blocks in space.
+# Scenes whose runs `make test` judges. Each takes seconds; together they have sliding joints in the plane, an arch, blocks in space.
 QUICK = {"two_pads", "two_blocks", "arch_spreading", "slab_four_corners", "wall_third"}
-SHARED = {"two_pads", "arch_spreading", "wall_third"}  # asked for by tests of many modules, some of which take several
+SHARED = {"two_pads", "arch_spreading", "wall_third"}  # scenes of tests in many modules; some of these tests take several
 NOT_ABOUT_DRAWING = {"coulomb", "inputs", "limit", "yade"}  # rooms whose tests run scenes and look at no figure of the run
 LONGEST = ("dome_sector", "facade", "wall_long", "corner_settling_end", "wall_half", "vault_spreading", "wall_tall", "wall_low_friction")
 
@@ -45,7 +45,7 @@ every_shipped_scene = pytest.mark.parametrize(
 
 
 class NoParameters:
-    """In the place of the parameters of a test that has none."""
+    """Stand-in for the parameters of a test without parameters."""
 
     params: dict[str, Any] = {}  # noqa: RUF012
 
@@ -59,7 +59,7 @@ settings.load_profile("few")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark what starts YADE, leave out what takes hours, and share the work among processes: README.md says how."""
+    """Mark tests that start YADE, leave out tests that take hours, and share the work among processes. README.md explains it."""
     for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
         if fixtures & STARTS_YADE:
@@ -68,10 +68,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if scenes - QUICK:
             item.add_marker("slow")
         item.add_marker(pytest.mark.xdist_group(group_of(item, scenes) if "cross_checked" in fixtures else item.path.name))
-    if "long" not in config.option.markexpr:  # `-m "not yade"` does not mean hours
+    if "long" not in config.option.markexpr:  # `-m "not yade"` does not request the tests that take hours
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("long")])
         items[:] = [item for item in items if not item.get_closest_marker("long")]
-    # Processes take groups in this order: what lasts longest comes first, so that no process ends long after the others.
+    # Processes take groups in this order: the longest group comes first, so that no process ends long after the others.
     items.sort(key=lambda item: next((k for k, name in enumerate(LONGEST) if is_about(item, name)), len(LONGEST)))
 
 
@@ -82,7 +82,7 @@ def scenes_of(item: pytest.Item) -> set[str]:
 
 
 def group_of(item: pytest.Item, scenes: set[str]) -> str:
-    """Tests of one scene's run share a process, and so the run; scenes that many tests ask for, or several together, are one group."""
+    """Tests of one scene share a process and its run. Tests of SHARED scenes, and tests of several scenes, are one group."""
     return f"run of {next(iter(scenes))}" if len(scenes) == 1 and not scenes <= SHARED else "runs of shared scenes"
 
 
@@ -93,9 +93,9 @@ def is_about(item: pytest.Item, scene: str) -> bool:
 
 @pytest.fixture(autouse=True, scope="session")
 def no_settings_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment.
+    """Tests run with the default settings on every machine. Only the place of YADE may come from the environment.
 
-    The default folder of results cannot be made, so that no test leaves results in the current folder, or finds those of another one.
+    The default folder of results cannot be made, so that no test leaves results in the current folder or finds results of another test.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("configuration")))
@@ -107,7 +107,7 @@ def no_settings_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterato
 
 @dataclass(frozen=True)
 class CrossChecked:
-    """A shipped scene after `crosscheck run`: both methods' results and what comparison.json holds."""
+    """A shipped scene after `crosscheck run`: both methods' results and the content of comparison.json."""
 
     scene: Scene
     analysis: LimitAnalysis
@@ -117,7 +117,7 @@ class CrossChecked:
 
 
 class Silent(settings_of_analysis.Silent):
-    """A listener of all stages that keeps what it hears to itself."""
+    """A listener of all stages that prints nothing."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         pass
@@ -128,14 +128,14 @@ class Silent(settings_of_analysis.Silent):
 
 @pytest.fixture(scope="session")
 def cross_checked(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CrossChecked]:
-    """Take a shipped scene through both methods, once a session however many tests ask for it."""
+    """Return a function that runs a shipped scene by both methods, once a session for all tests."""
     results = tmp_path_factory.mktemp("cross_checked")
 
     @functools.cache
     def run(name: str) -> CrossChecked:
         scene = load_scene(shipped.find(name))
         folder = results / name
-        summary = run_scene(scene, folder, Silent(), with_yade=True, figures=report_figures)  # whatever the test that asks first draws
+        summary = run_scene(scene, folder, Silent(), with_yade=True, figures=report_figures)  # whatever figures the first test has
         analysis = read_case(folder / "case.h5", scene)
         return CrossChecked(scene, analysis, read_run(folder / "run.h5", analysis.assembly), summary, folder)
 
@@ -163,7 +163,7 @@ def two_pads() -> str:
 
 @pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Results of a run that nothing disturbed; tests work on copies."""
+    """Results of an undisturbed run; tests work on copies."""
     out = tmp_path_factory.mktemp("undisturbed") / "out"
     assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
     return out
@@ -195,20 +195,20 @@ def copy(undisturbed: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One empty figure in the place of four, for tests that are not about drawing."""
+    """One empty figure in place of four, for tests that are not about drawing."""
     monkeypatch.setattr("comparison.figures.report_figures", lambda results: {"assembly": Figure})
 
 
 @pytest.fixture(autouse=True)
 def figures_where_they_are_looked_at(request: pytest.FixtureRequest) -> None:
-    """To draw them takes longer than to solve a small scene."""
+    """Leave figures out in the other rooms: drawing takes longer than solving a small scene."""
     if request.path.parent.name in NOT_ABOUT_DRAWING:
         request.getfixturevalue("plain_figures")
 
 
 @pytest.fixture(autouse=True)
 def interruptions_arrive() -> Iterator[None]:
-    """A job in the background ignores them, and what it starts does so, too."""
+    """A job in the background ignores interruptions, and so do its children, unless the handler is set again."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

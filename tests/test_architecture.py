@@ -1,4 +1,4 @@
-"""Who may know whom: the rooms of the house in order, and rules about imports, read from the sources."""
+"""Permitted imports: the rooms (packages within a package) in order, and rules about imports, read from the sources."""
 
 import argparse
 import ast
@@ -13,9 +13,9 @@ ROOT = Path(__file__).parent.parent
 PACKAGES = ("la_core", "yade_scripts", "comparison")
 FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")) if path.parent.name != "tutorials"]
 STANDARD = sys.stdlib_module_names
-MOST_LINES, MOST_MODULES = 300, 12  # of a module; of a room, its sentence aside
+MOST_LINES, MOST_MODULES = 300, 12  # lines of a module; modules of a room, without its `__init__.py`
 
-# Every room may import the rooms before it, and modules of its own. A name in parentheses is a module on a package's own floor.
+# Every room may import the rooms before it, and its own modules. A module directly in a package counts as a room.
 ROOMS = (
     "la_core.errors", "la_core.digests", "la_core.side_by_side", "la_core.text_table", "la_core.pictures",
     "la_core.exchange", "la_core.geometry", "la_core.drawing", "la_core.repair", "la_core.scene", "la_core.model", "la_core.measures",
@@ -25,14 +25,14 @@ ROOMS = (
     "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.picture", "comparison.result",
     "comparison.study_result", "comparison.campaign_result", "comparison.cli", "comparison.__main__",
 )  # fmt: skip
-INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
+INNER = {  # the same order within a room that has rooms of its own; "" are the modules directly in the room
     "la_core.scene": ("schema", "generators", "loads", ""),
     "la_core.coulomb": ("path", ""),
     "comparison.judge": ("checks", ""),
     "comparison.campaign": ("", "workers", "figures", "report"),
     "comparison.cli": ("", "help_verbs", "study_verbs", "scene_verbs", "commands"),
 }
-DRAW = ("comparison/figures/", "comparison/studies/figure_of_", "comparison/campaign/figures/")  # who may know matplotlib
+DRAW = ("comparison/figures/", "comparison/studies/figure_of_", "comparison/campaign/figures/")  # files that may import matplotlib
 PRINT = ("comparison/cli/", "yade_scripts/run_case.py")
 
 every_file = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
@@ -48,7 +48,7 @@ def is_module(name: str) -> bool:
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Every module a file imports, wherever in it the import stands, as a dotted name; of a face, the face."""
+    """Dotted name of every module that a file imports, anywhere in the file. A name from a face (`__init__.py`) counts as the face."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -64,13 +64,13 @@ def package(module: str) -> str:
 
 
 def room(module: str) -> str | None:
-    """The room that a module of the house is in; None for one that is in no room."""
+    """The room of a module of this project; None for a module outside all rooms."""
     parts = module.split(".")
     return next((name for name in (".".join(parts[:2]), module) if name in ROOMS), None)
 
 
 def own(path: Path) -> list[str]:
-    """The modules of the house that a file imports."""
+    """The modules of this project that a file imports."""
     return [module for module in imported(path) if package(module) in PACKAGES]
 
 
@@ -107,13 +107,13 @@ def test_every_import_points_to_an_earlier_room(path: Path) -> None:
         there = room(module)
         assert there is not None, f"{module} is no room's"
         assert ROOMS.index(there) <= ROOMS.index(here), f"{here} may not know {there}"
-        if there == here and here in INNER and name_of(path) != here:  # a face shows all of its room
+        if there == here and here in INNER and name_of(path) != here:  # a face imports from all of its room
             order = INNER[here]
             assert order.index(inner_room(module, here)) <= order.index(inner_room(name_of(path), here))
 
 
 def test_no_module_comes_back_to_itself_through_its_imports() -> None:
-    """Type hints included: modules that know each other are one module, or one of them asks for too much."""
+    """Imports for type hints count. Two modules that import each other are one module, or one of them needs too much."""
     known = {name_of(path): {module for module in own(path) if module != name_of(path)} for path in FILES}
     while bare := [name for name, modules in known.items() if not modules & known.keys()]:
         for name in bare:
@@ -124,7 +124,7 @@ def test_no_module_comes_back_to_itself_through_its_imports() -> None:
 
 @every_file
 def test_rooms_are_entered_by_their_faces(path: Path) -> None:
-    """What other rooms use of a room stands in its `__all__`; a module that is not there is its own affair."""
+    """Other rooms import only the names in a room's `__all__`. Its further names and modules are internal."""
     here = room(name_of(path))
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module is not None and (there := room(node.module)) not in (None, here):
@@ -169,7 +169,7 @@ def test_packages_know_only_whom_they_may(path: Path) -> None:
 
 
 def test_limit_analysis_asks_for_pictures_in_one_place() -> None:
-    """`scene.draw()` and `answer.plot()` are drawn by the package above, which is loaded only for them."""
+    """The package `comparison` draws for `scene.draw()` and `answer.plot()`, and is loaded only for them."""
     asks = [path for path in FILES if package(name_of(path)) == "la_core" and 'import_module("comparison")' in path.read_text("utf-8")]
     assert asks == [ROOT / "la_core" / "pictures.py"]
     assert not loaded_by("import la_core; la_core.load('two_pads')") & {"comparison", "matplotlib"}
@@ -188,7 +188,7 @@ def test_only_figures_draw(path: Path) -> None:
 
 @every_file
 def test_one_module_makes_the_tables_of_the_terminal(path: Path) -> None:
-    """And the one that fits them to a width copies them: elsewhere the markup in somebody's text would be obeyed."""
+    """A second module copies tables to fit a width. Elsewhere, markup in a user's text would take effect."""
     if is_called("Table", path):
         assert path.relative_to(ROOT).as_posix() in ("comparison/verdict/terminal_table.py", "comparison/cli/layout.py")
 
@@ -201,7 +201,7 @@ def test_only_entry_points_print(path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["la_core", "comparison"])
 def test_a_package_loads_nothing_before_it_is_asked_for(name: str) -> None:
-    """YADE's interpreter loads la_core.exchange and must not need the rest; the command line must not wait for what draws."""
+    """YADE's interpreter loads la_core.exchange and must not need the rest; the command line must not wait for modules that draw."""
     assert list(imported(ROOT / name / "__init__.py")) == ["importlib"]
 
 
@@ -232,7 +232,7 @@ def test_solve_does_not_wait_for_what_draws() -> None:
 
 
 def test_every_verb_has_a_module_of_its_own() -> None:
-    """The command line loads it by its name, which no checker of types or imports follows."""
+    """The command line loads the module by its name, which no checker of types or imports follows."""
     from comparison.cli.arguments import parser
     from comparison.cli.commands import COMMANDS
 
@@ -251,7 +251,7 @@ def test_the_readme_lists_the_rooms_in_their_order(place: str) -> None:
     (line,) = [line for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines() if line.startswith(f"| `{place}` |")]
     listed = line.split("|")[-2].strip(" `").split()
     assert set(listed) == {path.parent.name for path in (ROOT / place).glob("*/__init__.py")}
-    if place != "yade_scripts":  # its rooms share the modules on its floor
+    if place != "yade_scripts":  # its rooms share the modules directly in the package
         assert listed == [name.removeprefix(f"{place}.") for name in ROOMS if name.removeprefix(f"{place}.") in listed]
 
 
@@ -269,7 +269,7 @@ def public_names(path: Path) -> Iterator[str]:
 
 @pytest.mark.parametrize("name", PACKAGES)
 def test_no_public_name_is_defined_twice_within_a_package(name: str) -> None:
-    """But for what every verb of the command line has, and its entry."""
+    """Exceptions are `execute`, which every verb of the command line has, and the entry `main`."""
     homes: dict[str, list[str]] = {}
     for path in FILES:
         if package(name_of(path)) == name:

@@ -1,6 +1,6 @@
-"""Limit analysis never sees YADE's result before it has spoken: a cross-check proves nothing if one side looks at the other.
+"""Limit analysis states its answer before it can see YADE's result: a cross-check proves nothing if one method uses the other.
 
-One way back is open: `restored_effects.restore` adds an effect that was left out and that YADE's run shows to be needed. The first answer
+One exception exists: `restored_effects.restore` adds an effect that was left out and that YADE's run shows to be needed. The first answer
 is then kept and shown (`tests/comparison/test_first_prediction.py`).
 """
 
@@ -19,14 +19,14 @@ from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.limit import Solution
 
 ROOT = Path(__file__).parent.parent
-# Modules that call limit analysis themselves. Another one belongs here only if YADE's result cannot reach what it calls.
+# Modules that call limit analysis directly. A further module belongs here only if YADE's result cannot reach its calls.
 CALLERS = {
     "comparison.cli.scene_verbs.export", "comparison.cli.scene_verbs.solve", "comparison.studies.cost_limit_analysis",
     "comparison.studies.cost_yade", "comparison.studies.whole_studies", "comparison.limit_analysis", "comparison.workflow.restored_effects",
 }  # fmt: skip
-OF_YADE = ("run.h5", "result/", "record/", "poses/", "extra_contacts/")  # its file, and what its fields begin with
+OF_YADE = ("run.h5", "result/", "record/", "poses/", "extra_contacts/")  # YADE's file, and the beginnings of the names of its fields
 KINDS = (LimitAnalysis, Answers, CoulombSolution, EquilibriumPath, Solution)
-CHANGEABLE = {"scene", "accuracy"}  # of an analysis: the scene's text, and the settings for YADE's next run
+CHANGEABLE = {"scene", "accuracy"}  # parts of an analysis: the scene's text, and the settings for YADE's next run
 
 
 @cache
@@ -56,12 +56,12 @@ def offences_with(text: str) -> list[str]:
 
 
 def sights_of_yade(module: str, source: str) -> Iterator[str]:
-    """Where a module of la_core takes a run of YADE, reads one from its file, or knows the packages that do."""
+    """Places where a module of la_core takes a run of YADE, reads a run from its file, or imports the packages that do."""
     for function in functions(module, source):
         if function.taken & RUNS or any(node.arg == "run" for node in ast.walk(function.node) if isinstance(node, ast.arg)):
             yield f"{function.key} takes a run"
     tree = ast.parse(source)
-    texts = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}  # docstrings may speak of it
+    texts = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}  # docstrings may name it
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in texts and node.value.startswith(OF_YADE):
             yield f"{module} names {node.value!r} in line {node.lineno}"
@@ -74,7 +74,7 @@ def sights_of_yade(module: str, source: str) -> Iterator[str]:
 
 @pytest.mark.parametrize("module", sources("la_core"))
 def test_limit_analysis_takes_no_run_and_reads_none(module: str) -> None:
-    """The room of the files between the methods defines the fields of a run; it computes nothing."""
+    """The exception is `la_core.exchange`, which defines the fields of a run and computes nothing."""
     if not module.startswith("la_core.exchange"):
         assert list(sights_of_yade(module, sources("la_core")[module])) == []
 
@@ -98,7 +98,7 @@ def test_a_look_of_limit_analysis_at_a_run_is_noticed(source: str) -> None:
 
 
 def test_the_rule_knows_who_predicts_and_who_holds_a_run() -> None:
-    """Else it could not fail."""
+    """Without this knowledge the rule could not fail."""
     assert {"la_core:analyse", "la_core:predict", "la_core:solve", "la_core:solve_associated"} <= house().predicting
     assert {"comparison.limit_analysis:limit_analysis_stage", "comparison.workflow.one_scene:run_scene"} <= house().predicting
     assert not {DOOR, "comparison.workflow.one_scene:_compare", "comparison.judge.checks.run_checks:check_run"} & house().predicting
@@ -224,7 +224,7 @@ def all_of(scenes, path):
 
 
 def forgeries(source: str) -> list[str]:
-    """Where a module makes an answer of limit analysis by hand, or replaces a part of one."""
+    """Calls of a module that make an answer of limit analysis by hand, or replace a part of an answer."""
     parts = {field.name for kind in KINDS for field in dataclasses.fields(kind)} - CHANGEABLE
     calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
     names = [(call, ast.unparse(call.func).rpartition(".")[2]) for call in calls]

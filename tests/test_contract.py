@@ -1,4 +1,4 @@
-"""What users may type, write and read since version 0.2.0 is still there: the contract may grow, nothing in it may go or change."""
+"""The contract since version 0.2.0 covers all that users type, write and read. It may grow, but no entry may vanish or change."""
 
 import json
 import re
@@ -14,11 +14,11 @@ from comparison.report import stored_report
 TESTS = Path(__file__).parent
 BEFORE = json.loads((TESTS / "helpers" / "contract.json").read_text(encoding="utf-8"))
 JSON_PAGE = TESTS.parent / "comparison" / "json.md"
-TOLD_IN_ONE_ROW = ("effects.table", "expected", "structure", "files", "limit_analysis.coulomb.curve")  # objects of the page of JSON keys
+TOLD_IN_ONE_ROW = ("effects.table", "expected", "structure", "files", "limit_analysis.coulomb.curve")  # objects on the page of JSON keys
 
 
 def missing(before: Any, now: Any, where: str) -> Iterator[str]:
-    """Every entry of a list made before that is not there now, and every value that is another one."""
+    """Every entry of an earlier list that is missing now, and every value that has changed."""
     if isinstance(before, dict) and isinstance(now, dict):
         for name, value in before.items():
             yield from missing(value, now[name], f"{where}: {name}") if name in now else [f"{where}: {name}"]
@@ -48,7 +48,7 @@ def test_the_comparison_of_contracts_sees_what_is_gone_and_what_changed() -> Non
 
 
 def keys_on_the_page() -> Iterator[str]:
-    """Dotted keys of the tables of the page; a heading in code names the object that its table tells of."""
+    """Dotted keys of the tables of the page. A heading in backticks names the object that its table describes."""
     path = ""
     for line in JSON_PAGE.read_text(encoding="utf-8").splitlines():
         if line.startswith("#"):
@@ -58,7 +58,7 @@ def keys_on_the_page() -> Iterator[str]:
 
 
 def row_of(key: str) -> str:
-    """The row that tells of a key: multipliers share that of reactions, and the measures of all mechanisms one table."""
+    """The row that describes a key. Multipliers share the row of reactions, and the measures of all mechanisms share one table."""
     whole = [one for one in TOLD_IN_ONE_ROW if key.startswith(f"{one}.") or key.startswith(f"{one}[")]
     key = re.sub(r"^(mechanism_measures)\.\w+", r"\1", (whole or [key.replace("[]", "")])[0])
     return re.sub(r"^(limit_analysis\.\w+)\.multiplier", r"\1.reaction", key)
@@ -67,7 +67,7 @@ def row_of(key: str) -> str:
 def test_every_key_of_the_json_is_on_its_page_and_no_other(today: dict[str, Any]) -> None:
     rows = {row_of(key) for keys in (today["comparison.json"], *today["solve --json"].values()) for key in keys}
     values = {row for row in rows if not any(other.startswith(f"{row}.") for other in rows)}
-    assert sorted(keys_on_the_page()) == sorted(row for row in values if not row.endswith("shared_inset"))  # which has the same keys again
+    assert sorted(keys_on_the_page()) == sorted(row for row in values if not row.endswith("shared_inset"))  # it repeats the keys
 
 
 def test_every_key_beside_the_scenes_of_a_report_is_on_the_page_of_json_keys() -> None:

@@ -1,4 +1,4 @@
-"""What decides a result decides its digest: a changed byte anywhere in the code that makes it, so that nothing stale is called cached."""
+"""The digest of a result changes with every byte of the code that makes the result, so that no stale result counts as cached."""
 
 import shutil
 from pathlib import Path
@@ -39,7 +39,7 @@ def test_a_byte_changed_in_any_module_of_a_package_changes_its_digest(module: Pa
 
 
 def comparison_digests(module: Path, copied: Path) -> set[str]:
-    """Digests of comparison's stage in the copied code, before and after a byte more in a module, and once it is gone again."""
+    """Digests of comparison's stage in the copied code: before a module gets an additional byte, with the byte, and after its removal."""
     code, path = tuple(copied / place for place in ROOMS), copied / module
     content, digests = path.read_bytes(), []
     for changed in (content, content + b"#", content):

@@ -1,4 +1,4 @@
-"""Every page is true: links lead somewhere, commands run, scenes are scenes, generated tables and numbers are those of today."""
+"""Every page is true: links have targets, commands run, scenes are valid, generated tables and numbers are those of today."""
 
 import argparse
 import dataclasses
@@ -28,14 +28,14 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 FOLDERS = ("la_core", "yade_scripts", "comparison", "tests")
 PAGES = [*ROOT.glob("*.md"), *(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.md"))]
-PAGES = sorted(path for path in PAGES if path.name != "CHANGELOG.md")  # which tells of what was
+PAGES = sorted(path for path in PAGES if path.name != "CHANGELOG.md")  # it describes earlier versions
 EXPENSIVE = {"make demo": "test_the_demo_ends_as_the_readme_says checks its table on the suite's own runs"}
 CHECKS = ROOT / "comparison" / "README.md"
 CAMPAIGNS = ROOT / "comparison" / "campaign" / "README.md"
 COMMAND_LINE = ROOT / "comparison" / "cli" / "README.md"
 RESULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
-ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
-HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
+ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to the effect of friction's history
+HISTORY = 1e-2  # of a reaction: effect of friction's history between two models of one structure
 OTHER_MACHINE = 3.0  # stated uncertainties by which YADE's reaction may differ under another compiler or processor
 
 
@@ -47,7 +47,7 @@ every_page = pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relati
 
 
 def _table(head: str, page: str = README) -> dict[str, list[str]]:
-    """Cells of the table that begins with these headings, by the scene that a row names."""
+    """Cells of the table with these headings, by the scene that a row names."""
     (table,) = re.findall(rf"^{re.escape(head)}.*?\n\n", page, re.MULTILINE | re.DOTALL)
     return {name: [cell.strip() for cell in cells.split("|")] for name, cells in RESULT_ROW.findall(table)}
 
@@ -80,7 +80,7 @@ def _anchors(page: str) -> set[str]:
 
 @every_page
 def test_every_file_that_a_page_names_exists(path: Path) -> None:
-    """Paths that begin with a folder of the repository, from there or from the page; an asterisk stands for any name."""
+    """Paths begin with a folder of the repository, seen from its root or from the page. An asterisk matches any name."""
     for name in re.findall(rf"(?<![\w/.-])(?:{'|'.join(FOLDERS)})/[\w./*-]*[\w*]", path.read_text(encoding="utf-8")):
         assert any(ROOT.glob(name)) or any(path.parent.glob(name)), name
 
@@ -89,7 +89,7 @@ def test_every_file_that_a_page_names_exists(path: Path) -> None:
 def test_every_command_of_the_line_shows_what_a_page_shows(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A block without output says how a page was measured: the command is checked by the next test, the page by its generator."""
+    """A block without output shows how a page was measured. The next test checks its command, and the generator checks the page."""
     monkeypatch.chdir(tmp_path)
     for block in _blocks("console", path.read_text(encoding="utf-8")):
         line, *expected = block.splitlines()
@@ -102,14 +102,14 @@ def test_every_command_of_the_line_shows_what_a_page_shows(
 
 
 def _steady(lines: list[str]) -> list[str]:
-    """The lines that do not hang on the machine's speed or its round-off."""
+    """The lines that do not depend on the machine's speed or its round-off."""
     noise = ("seconds", "residual", "violation", "gap", "drift", "solves")
     return [line.rstrip() for line in lines if line.strip() and not any(word in line for word in noise)]
 
 
 @every_page
 def test_every_command_that_a_page_names_exists(path: Path) -> None:
-    """Commands in backticks and in scripts: a verb that exists, with options that it has."""
+    """Commands in backticks and in scripts have a verb that exists and options of this verb."""
     page = path.read_text(encoding="utf-8")
     scripts = "\n".join(block for language in ("sh", "bash", "console") for block in _blocks(language, page))
     lines = re.findall(r"`(crosscheck [^`]+)`", _without_code(page)) + re.findall(r"(?:^|/|\s)(crosscheck [^\n|>]+)", scripts)
@@ -148,7 +148,7 @@ def test_every_scene_of_a_page_is_a_scene_and_every_campaign_a_campaign(path: Pa
 
 @every_page
 def test_the_python_of_a_page_is_python(path: Path) -> None:
-    """What the README and the docstrings show is run by the tests of the Python interface; scripts of other pages run here."""
+    """Tests of the Python interface run the code of the README and of docstrings. Scripts of other pages run here."""
     for block in _blocks("python", path.read_text(encoding="utf-8")):
         examples = doctest.DocTestParser().get_examples(block)
         code = compile("".join(example.source for example in examples) or block, str(path), "exec")

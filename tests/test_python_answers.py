@@ -1,4 +1,4 @@
-"""Answers in Python are those of the command line, and hand out, show and draw what they hold."""
+"""Answers in Python equal those of the command line, and hand out, print and draw their content."""
 
 import dataclasses
 import operator
@@ -19,7 +19,7 @@ ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
 
 @pytest.mark.parametrize("friction", [0.3, 0.9])
 def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float) -> None:
-    """Right block on the settling pad: W_b without dilatancy, W_b / (1 + mu^2) by the associated law."""
+    """The right block stands on the settling pad: W_b without dilatancy, W_b / (1 + mu^2) by the associated law."""
     scene = la_core.variant(la_core.load("two_blocks"), {"joint.friction": friction})
     answer = la_core.solve(scene)
     assert answer.least_sharp / scene.weight == pytest.approx(0.5 / (1 + friction**2), abs=ROUND_OFF)
@@ -51,7 +51,7 @@ def test_an_answer_cannot_be_changed() -> None:
 
 
 def test_a_change_of_what_an_answer_hands_out_changes_no_answer() -> None:
-    """An answer does its own sums with these arrays; two answers of one analysis share them."""
+    """An answer computes with the arrays that it hands out, and two answers of one analysis share them."""
     answer = la_core.solve(la_core.load("wall_third"))
     before = repr((answer.values, answer.joints))  # one NaN is not equal to another
     for array in (answer.mechanism, answer.forces, *answer.path):
@@ -75,7 +75,7 @@ def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
 
 
 def test_the_parts_of_answers_are_told_apart_too() -> None:
-    """Arrays have no single truth: a comparison of parts that hold some raised an error of NumPy, and none had a place in a set."""
+    """A comparison of arrays has no single truth value. Comparing parts with arrays once raised NumPy's error, and no set took them."""
     one, other = (la_core.solve("two_pads", path=True).analysis for _ in range(2))
     assert one != other and len({one, other}) == 2
     for of in ["scene.blocks", "scene.loads", "whole", "whole.interfaces", "whole.points", "at_inset", "main_answer", "coulomb", "path"]:

@@ -1,4 +1,4 @@
-"""The names of the Python interface are stable, described, and true in their examples."""
+"""The names of the Python interface are stable and described, and their examples are true."""
 
 import ast
 import doctest
@@ -109,7 +109,7 @@ def test_sections_of_a_docstring_are_read_as_numpydoc_has_them() -> None:
 @both_packages
 def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # the report's, which nobody looks at here
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # figures of the report, which this test does not need
     tried = 0
     for name in package.__all__:
         for example in doctest.DocTestFinder(recurse=False).find(getattr(package, name), name, module=False, globs={}):
@@ -121,7 +121,7 @@ def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: py
 
 @pytest.mark.yade
 def test_the_code_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # the report's, which nobody looks at here
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # figures of the report, which this test does not need
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     monkeypatch.chdir(tmp_path)
     exec(code, {})

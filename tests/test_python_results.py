@@ -86,7 +86,7 @@ def test_results_in_a_folder_that_cannot_be_written_are_read(
 ) -> None:
     result = comparison.run("two_pads", tmp_path, yade=False, quiet=True)
     (result.folder / ".lock").unlink()
-    if not judged_before:  # as by another version of the program
+    if not judged_before:  # as if another version of the program had judged
         (result.folder / "comparison.json").write_text("{}")
     before = {path.name: path.read_bytes() for path in result.folder.iterdir()}
     monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
@@ -119,7 +119,7 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert result.report().is_file()
     with pytest.raises(ValueError, match="one folder"):
         result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
-    assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
+    assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # in spite of the stored run
 
 
 @pytest.mark.parametrize(
@@ -257,7 +257,7 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
     assert not unchanged.changed and found.summary in repr(found)
     assert list(unchanged.to_dataframe().columns) == ["case", "what", "before", "after", "difference", "allowed"]
     again = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "out", workers=1, quiet=True)
-    found = comparison.compare(made, again)  # the folder of both has the second table alone
+    found = comparison.compare(made, again)  # their common folder has only the second table
     assert (found.only_before, found.only_after) == (["pads_friction=0.6"], ["pads_friction=0.5"])
     with pytest.raises(la_core.SceneError, match="workers"):
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
@@ -275,7 +275,7 @@ def test_a_script_that_begins_a_campaign_in_processes_of_its_own_is_told_where_t
 
 @pytest.mark.parametrize("call", [["script.py"], ["-m", "script"], ["-"]])
 def test_a_script_runs_a_campaign_wherever_it_comes_from(tmp_path: Path, call: list[str]) -> None:
-    """Each worker ran the script once more, or looked for a file named <stdin>."""
+    """Each worker once ran the script again, or looked for a file named <stdin>."""
     (tmp_path / "pads.toml").write_text(
         'title = "Pads"\nyade = false\n[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.4] }\n'
     )

@@ -1,4 +1,4 @@
-"""Scenes built and varied in Python are those of files, and so are the messages about their mistakes."""
+"""Scenes built and varied in Python equal scenes of files, with the same messages about mistakes."""
 
 import copy
 import dataclasses
@@ -112,7 +112,7 @@ def test_a_date_of_toml_is_a_date_of_the_scene() -> None:
 
 
 def test_a_path_ends_where_a_text_begins() -> None:
-    """A text has letters, and an array has no names: neither is a key."""
+    """The letters of a text have no keys, and the entries of an array have no names."""
     data = {"title": "abc", "block": [{"name": "a"}]}
     assert key_paths.get(data, "block[0].name") == "a"
     for key in ("title[0]", "block.name", "block[1]", "title.upper", "block[0].name[0]"):
@@ -171,7 +171,7 @@ def test_a_variant_keeps_what_its_changes_leave_true() -> None:
     kept = la_core.variant(pads, {"joint.friction": 0.4, "expected.reaction_over_weight": 1 / 6})
     assert kept.expected is not None and kept.expected.reaction_over_weight == 1 / 6
     named = {"expected.reaction_over_weight": pads.expected.reaction_over_weight, "source": pads.source}
-    equal = la_core.variant(pads, {"joint.friction": 0.4} | named)  # what the changes name stays, also where it equals the scene's own
+    equal = la_core.variant(pads, {"joint.friction": 0.4} | named)  # named entries stay, also where they equal the scene's own
     assert (equal.expected, equal.source) == (pads.expected, pads.source)
     assert pads.friction == 0.6
     assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
@@ -187,7 +187,7 @@ def test_a_setting_of_yade_that_limit_analysis_reads_too_leaves_no_expected_valu
 
 
 def test_limit_analysis_reads_no_other_settings_of_yade() -> None:
-    """Another setting that it reads would change its answer, and the expected value would stay."""
+    """Any other setting that it reads would change its answer but leave the expected value."""
 
     class Heard(dict[str, float]):
         names: ClassVar[set[str]] = set()
@@ -221,13 +221,13 @@ def test_a_variant_is_named_and_titled_by_its_changes() -> None:
 
 
 def test_the_title_of_a_variant_has_arrays_as_a_scene_file_has_them() -> None:
-    """NumPy breaks a matrix into lines, and so the heading of a printed scene."""
+    """NumPy prints a matrix in several lines, which would break the heading of a printed scene."""
     profile = np.array([[0.0, 0.5], [1.0, 1.0]])
     assert la_core.variant("two_pads", {"settlement.profile": profile}).title.endswith(": settlement.profile = [[0.0, 0.5], [1.0, 1.0]]")
 
 
 def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
-    """An inset given as what it is by default."""
+    """The change sets the inset to its default."""
     pads = la_core.load("two_pads")
     assert la_core.variant(pads, {"joint.inset": pads.inset}).expected == pads.expected
     assert la_core.variant(pads, {"joint.inset": 2.0 * pads.inset}).expected is None
@@ -283,7 +283,7 @@ def test_a_copy_of_a_scene_cannot_be_changed_behind_its_text_either(same: Callab
 
 
 def test_a_new_expected_value_does_not_keep_an_associated_one_of_another_structure() -> None:
-    blocks = la_core.load("two_blocks")  # expects an associated value, too, which holds for its friction alone
+    blocks = la_core.load("two_blocks")  # it also expects an associated value, which holds for its friction alone
     assert blocks.expected is not None and blocks.expected.associated_reaction_over_weight is not None
     smooth = la_core.variant(blocks, {"joint.friction": 0.3, "expected.reaction_over_weight": 0.5})
     assert smooth.expected is not None and smooth.expected.reaction_over_weight == 0.5

@@ -12,7 +12,7 @@ import la_core
 
 
 class _Broken:
-    """A stream as a window that has been closed has it: every word fails in its own way."""
+    """The stream of a closed window, which raises an error of its own for every write."""
 
     def write(self, text: str) -> int:
         raise RuntimeError("the window is closed")

@@ -18,12 +18,12 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 CHANGELOG = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 VERSION = PROJECT["project"]["version"]
-SCRIPTS = "comparison/tutorials/"  # read as text, in cells
+SCRIPTS = "comparison/tutorials/"  # scripts that are read as text, in cells
 REQUIRED_OF_A_CITATION = {"authors", "cff-version", "message", "title"}  # by the schema of the Citation File Format 1.2.0
 
 
 def shipped_files() -> set[str]:
-    """Every file of the rooms that a user needs: all but the gallery and what Python left behind."""
+    """Every file of the packages that a user needs: all but the gallery and Python's compiled files."""
     files = (path.relative_to(ROOT) for room in ROOMS for path in (ROOT / room).rglob("*") if path.is_file())
     return {path.as_posix() for path in files if "gallery" not in path.parts and path.suffix != ".pyc"}
 
@@ -32,7 +32,7 @@ def test_version_changelog_and_citation_agree() -> None:
     releases = re.findall(r"^## \[(\d+\.\d+\.\d+)\] - (\d{4}-\d\d-\d\d)$", CHANGELOG, re.MULTILINE)
     cited = dict(re.findall(r"^(version|date-released): (\S+)$", CITATION, re.MULTILINE))
     assert releases[0] == (cited["version"], cited["date-released"])
-    if VERSION.endswith(".dev0"):  # what it stores must not pass for results of the release before
+    if VERSION.endswith(".dev0"):  # its stored results must not pass for results of the last release
         assert VERSION.removesuffix(".dev0") not in dict(releases)
         assert CHANGELOG.index("## [Unreleased]") < CHANGELOG.index(f"## [{cited['version']}]")
     else:
@@ -48,14 +48,14 @@ def test_the_citation_has_what_its_format_requires_and_cites_the_paper() -> None
 
 
 def test_the_changelog_tells_of_every_command() -> None:
-    """The list of commands is the README's; here, those that are no part of the first version's plain line must be announced."""
+    """The README lists all commands. The changelog must announce all but the plain ones of the first version."""
     plain = {"scenes", "show", "solve", "report"}
     (words,) = [action for action in parser()._actions if action.choices]
     assert all(f"`crosscheck {name}" in CHANGELOG for name in set(words.choices or ()) - plain)
 
 
 def test_every_package_and_every_file_beside_its_code_is_declared() -> None:
-    """A package that setuptools does not find, or a file without a pattern, would be missing only where it is installed."""
+    """A package that setuptools does not find, or a file without a pattern, would be missing only in an installed program."""
     settings = PROJECT["tool"]["setuptools"]
     assert {pattern.removesuffix("*") for pattern in settings["packages"]["find"]["include"]} == set(ROOMS)
     files = shipped_files()
@@ -73,7 +73,7 @@ def test_every_package_and_every_file_beside_its_code_is_declared() -> None:
 
 
 def lowest_versions() -> list[str]:
-    """Every dependency of the program and of its extras in the lowest version that is declared, with what runs the tests."""
+    """Every dependency of the program and of its extras, those of the tests included, in the lowest version that is declared."""
     project = PROJECT["project"]
     extras = (line for extra, lines in project["optional-dependencies"].items() if not extra.startswith("peers") for line in lines)
     bounds = [re.match(r"([\w-]+)>=([\d.]+)", line) for line in (*project["dependencies"], *extras)]
@@ -83,7 +83,7 @@ def lowest_versions() -> list[str]:
 @pytest.mark.long
 @pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the lowest versions have wheels for the lowest Python")
 def test_the_lowest_declared_versions_carry_the_program(tmp_path: Path) -> None:
-    """pip installs the newest versions, so that nothing else tries a lower bound; a user may have older ones."""
+    """pip installs the newest versions, so that no other test tries a lower bound. A user may have older versions."""
     python = tmp_path / "lowest" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", tmp_path / "lowest"], check=True)
     subprocess.run([python, "-m", "pip", "install", "-q", "--only-binary", ":all:", *lowest_versions()], check=True)

@@ -38,7 +38,7 @@ def test_a_plateau_states_its_change_and_its_scatter_without_a_stray_jump() -> N
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("share", "scatter"), [(0.04, 0.001), (0.06, 0.1)])
 def test_what_strays_over_a_twentieth_of_the_last_quarter_scatters(share: float, scatter: float, sign: float) -> None:
-    """The values stray upwards or downwards. Where they stray over less, they are a jump in progress."""
+    """Values that stray upwards and downwards count alike. Over a shorter stretch they are a jump in progress."""
     progress = np.linspace(0.0, 1.0, 10_001)
     strays = (progress > 0.9) & (progress <= 0.9 + 0.25 * share)
     found = plateau.plateau_of(progress, 0.2 + sign * np.where(strays, 0.1, 0.001), 1.0, 0.2)

@@ -53,7 +53,7 @@ def test_where_no_joint_slides_heymans_law_gives_the_same(name: str) -> None:
 
 @pytest.mark.parametrize("friction", [0.01, 0.02])
 def test_a_joint_that_slides_with_little_friction_slides(friction: float) -> None:
-    """The settling column is a third of the weight. Dilatancy lifts it by a share of some mu squared, which is the error of the bound."""
+    """The settling column is a third of the weight. Dilatancy reduces the bound by a share of about mu squared."""
     scene = variant("stack_bond_wall", {"joint.friction": friction})
     answer = analyse(scene)
     assert answer.assembly.effects.friction == "coulomb" and answer.coulomb is not None

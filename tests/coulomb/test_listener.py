@@ -82,7 +82,7 @@ def test_an_answer_of_python_takes_a_listener() -> None:
 
 @pytest.fixture
 def nothing_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The beginning of a prediction raises an error."""
+    """A prediction raises an error as soon as it begins."""
 
     def predicted(*arguments: object) -> None:
         raise AssertionError("a prediction was begun")

@@ -178,7 +178,7 @@ def test_paths_that_end_alike_are_as_uncertain_as_their_curve_and_their_steps() 
 def test_a_path_with_smooth_joints_is_uncertain_by_the_largest_of_what_its_smoothing_leaves(
     coarse: float, reached: float, law: float, left: float
 ) -> None:
-    """Twice the difference of the paths or the error of the law, or five times the way to the limit state; means do not count."""
+    """The largest of twice the paths' difference, twice the law's error and five times the way to the limit state. Means do not count."""
     ends = ((coarse, 0.5), (0.3, 0.3))
     paths = [SimpleNamespace(smooth_error=law, plateau=Plateau(*end, 0.0, 0.0, 1.0), values=np.array([0.9, reached])) for end in ends]
     assert stated_uncertainty(paths[1], paths) == pytest.approx(left)

@@ -69,7 +69,7 @@ def reaction(analysis: LimitAnalysis) -> float:
 
 
 def reduced(scene: Scene, layers: int) -> tuple[Assembly, Assembly]:
-    """The whole assembly, and the assembly reduced to the region with `layers` around it, without any guard."""
+    """The whole assembly, and the assembly reduced to the region with `layers` of neighbours, without any guard."""
     whole = assemble(scene)
     return whole, reach.set_aside(whole, whole.blocks.free & ~reach.region(whole, layers))
 
@@ -150,7 +150,7 @@ def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
     whole, part = reduced(scene, 0)
     analysis = analyse(scene)
     wrong = predict(part, analysis.stiffness, analysis.bounds[Drive.YIELDING])
-    assert wrong.value < 0.9 * reaction(analysis)  # friction hangs the wall between blocks that cannot yield
+    assert wrong.value < 0.9 * reaction(analysis)  # the wall hangs by friction between blocks that cannot yield
     assert "on the support" in reach.why_not_valid(whole, part, wrong.twists, wrong.forces)
 
 

@@ -68,7 +68,7 @@ def test_errors_of_forces_add_to_what_paths_leave_uncertain(error: float, is_dou
 
 
 def test_a_reaction_of_zero_is_doubtful_by_a_share_of_a_thousandth_of_the_weight(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A thousandth of the weight of 200 N is 0.2 N. An error above 1 % of it, 0.002 N, is doubtful; a quarter is 0.05 N."""
+    """A thousandth of the weight of 200 N is 0.2 N. The value is doubtful from 1 % of it, 0.002 N, on, and unknown from 0.05 N on."""
     for error, is_doubtful in ((0.0019, False), (0.0021, True), (0.049, True)):
         found = Made(monkeypatch, path(0.0), path(0.0), error=error).found
         assert (found.value, found.is_doubtful) == (0.0, is_doubtful)

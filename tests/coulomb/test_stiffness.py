@@ -24,7 +24,7 @@ SHIPPED = ("two_pads", "trilith", "arch_spreading", "flat_arch", "slab_four_corn
 
 
 def slab(**options: object) -> Scene:
-    """A block on two pads in mirror places about its centroid. Under a live load no pad settles."""
+    """A block on two pads, symmetric about its centroid. Under a live load no pad settles."""
     pads = (held.replace("support", "fixed") for held in HELD) if "live" in options else HELD
     return scenes.build(*pads, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), density=1e4, **options)
 
@@ -72,7 +72,7 @@ def sway_about(arms: tuple[float, ...], points: int, normal: float) -> float:
     ],
 )
 def test_a_block_on_two_pads_sways_about_the_shorter_axis_of_its_base(options: dict[str, Any], arms: tuple[float, ...]) -> None:
-    """The plane of x and z is the block's mirror. The block sways along this plane, and across it only if the drive has a part along y."""
+    """The block is symmetric about the plane of x and z. It sways along this plane, and across it only if the drive has a part along y."""
     found, points = stiffness(slab(inset=0.01, **options)), 4 if options["plane"] else 8
     assert found.sway == pytest.approx(sway_about(arms, points, found.normal), rel=2e-3)
 
@@ -94,7 +94,7 @@ def test_a_load_beside_the_mirror_of_a_block_makes_it_sway_across(force: Point, 
 
 
 def test_a_block_that_settles_as_a_whole_may_sway_both_ways() -> None:
-    """The structure has two mirrors. If both counted, no direction would be left, so neither counts."""
+    """The structure has two planes of symmetry. If both counted, no direction would be left, so neither counts."""
     pad = scenes.box("pad", (-0.1, 0.0, -0.2), (0.3, 1.0, 0.0), "support")
     parts = (pad, scenes.box("tower", (0.0, 0.0, 0.0), (0.2, 1.0, 2.0)))
     one, other = (stiffness(scenes.build(*parts, inset=0.01, plane=plane)) for plane in (True, False))
@@ -103,7 +103,7 @@ def test_a_block_that_settles_as_a_whole_may_sway_both_ways() -> None:
 
 @pytest.mark.parametrize("angle", [10.0, 45.0, 77.0, 123.0])
 def test_a_wall_in_any_direction_sways_along_itself(angle: float) -> None:
-    """The wall's mirror runs along the wall, for any axes."""
+    """The wall's plane of symmetry runs along the wall, for any axes."""
     one = wall(plane=False)
     turned = scenes.moved(one, scenes.rotation((0.0, 0.0, 1.0), np.radians(angle)), (30.0, -70.0, 2.0), plane=False)
     assert ratios(stiffness(one), stiffness(turned))[-1] == pytest.approx(1.0, rel=1e-3)

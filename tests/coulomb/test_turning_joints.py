@@ -160,7 +160,7 @@ def test_a_path_of_finite_rotations_goes_as_far_as_the_joints_it_stands_for() ->
 
 
 def test_the_requested_curve_is_that_of_the_joints_as_they_are() -> None:
-    """The rotation at a release grows as the root of the strain. On softer joints a release is later by the root of the stiffness."""
+    """The rotation at a release grows as the root of the strain. On softer joints it comes later by the root of the stiffness."""
     scene = la_core.variant(RELEASES, FINITE)
     assembly, stiffness = problem(scene)
     soft, stiff = follow_path(assembly, stiffness, 2.0 * stiffness.travel, 40), analyse(scene).coulomb
@@ -215,7 +215,7 @@ def test_units_mirrors_turns_and_the_order_of_blocks_do_not_matter(space: bool) 
 
 
 def test_what_the_order_of_blocks_decides_is_in_the_uncertainty() -> None:
-    """Corners that meet lie on neither block's face. Axes that turn with either block lead to levels 9 % apart, in YADE, too."""
+    """Corners that meet lie on neither block's face. Axes that turn with one block or the other lead to levels 9 % apart, in YADE, too."""
     scene = drawn(94, SEED).scene
     backwards = scenes.moved(scene, order=range(len(scene.blocks))[::-1])
     one, other = (analyse(la_core.variant(each, FINITE)).coulomb for each in (scene, backwards))

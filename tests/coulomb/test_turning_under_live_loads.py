@@ -115,8 +115,8 @@ def test_yade_pushes_as_far(tmp_path: Path) -> None:
     ],
 )
 def test_finite_rotations_lead_to_the_multiplier_of_yade(scene: Scene, measured: float) -> None:
-    """YADE measured over the travel of the fastest block, with joints 16 times as stiff. Over the travel of the mean motion the first two
-    scenes come to 0.453 and 0.263. With small rotations the last scene has 0.4200.
+    """The multipliers are YADE's over the travel of the fastest block, with joints 16 times as stiff. Over that of the mean motion the
+    first two scenes come to 0.453 and 0.263. With small rotations the last scene has 0.4200.
     """
     coulomb = predicted(la_core.variant(scene, {"effects.rotation": "finite"}))
     assert coulomb.value == pytest.approx(measured, rel=5e-3)

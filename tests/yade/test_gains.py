@@ -46,7 +46,7 @@ def test_the_servo_is_slower_than_the_sway_of_blocks_that_stand(sway: float, slo
 
 
 def test_the_servo_looks_oftener_where_a_floor_is_pushed_that_has_no_inertia() -> None:
-    """Under a floor of 24 times its mass a block responds 25 times as fast. A decay of 0.2 between two looks would be one of 5 and grow."""
+    """Under a floor of 24 times its mass a block responds 25 times as fast. Its decay of 0.2 between two looks would be 5, unstable."""
     bare, under_floor = (servo_of(case_of(PUSH, floor), settings_of()) for floor in (0.0, 1200.0))
     assert under_floor.every == pytest.approx(bare.every / 25.0, abs=1.0)
     assert (under_floor.spring, under_floor.dashpot) == (bare.spring, bare.dashpot)
@@ -86,7 +86,7 @@ class TwoBlocks:
 
 
 def test_the_weights_of_the_servo_follow_the_motion_of_whole_windows() -> None:
-    """Both blocks count by their mass in the first window, the light one alone in the second. Then m v is 4.5 for the heavy one, 0.25."""
+    """Both blocks count by mass in the first window, the light one alone in the second; then m v is 4.5 (heavy) and 0.25 (light)."""
     servo, blocks, counts = Servo(0.0, 1.0, 0.0, 0.0, 1, window=1.0), TwoBlocks(), []
     servo.start(blocks)
     for blocks.time in (0.3, 0.9, 1.0, 1.5, 1.9, 2.0):

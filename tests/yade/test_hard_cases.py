@@ -18,7 +18,7 @@ RESIDUAL = 1e-6  # of the mean block weight: largest residual of a solved answer
 
 
 def of(cases: list[HardCase], in_every_run: tuple[str, ...]) -> pytest.MarkDecorator:
-    """Parametrise by cases, named. Cases that are not in every run are left to `make test-all`."""
+    """Parametrise a test by named cases. Cases that are not in every run are left to `make test-all`."""
     left = {case.name: pytest.mark.long if case.long else () if case.name in in_every_run else pytest.mark.slow for case in cases}
     marked = [pytest.param(case, marks=left[case.name], id=case.name) for case in cases]
     return pytest.mark.parametrize("case", marked)

@@ -82,7 +82,7 @@ def test_the_path_runs_along_yade_s_record(name: str, cross_checked: CrossCheck)
 
 @pytest.mark.long
 def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked: CrossCheck) -> None:
-    """`make test-long` runs it in a quarter of an hour. It sticks and slips, and both uncertainties are too large for a verdict."""
+    """`make test-long` runs it in a quarter of an hour. It sticks and slips, and both stated uncertainties exceed the judge's limit."""
     found = cross_checked("building_corner")
     coulomb, result = found.analysis.coulomb, found.run.result
     assert found.summary["free_blocks"] >= 1000

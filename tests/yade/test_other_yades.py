@@ -64,7 +64,7 @@ def test_a_name_that_a_room_of_the_scripts_needs_is_checked_too(altered_yade: Ca
 def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
     altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Debian 13 builds such a YADE. It refuses a trapezium, no box along the axes, once a sphere nears a face not touched before."""
+    """Debian 13 builds such a YADE. A block that is no box along the axes is refused once a sphere comes near a new face."""
     altered_yade("2025.2.0", *POLYHEDRA)
     out, box = tmp_path / "out", "box     = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }"
     assert box in two_pads

@@ -193,7 +193,7 @@ def test_supports_follow_a_profile_at_both_ends() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_random_shares_have_the_reaction_of_the_static_form(seed: int) -> None:
-    """A wall on four supports with random shares or a random profile, against a programme of forces that shares no kinematics."""
+    """A wall on four supports with random shares or a random profile, against an independent programme of forces."""
     rng = np.random.default_rng(seed)
     ends = np.linspace(0.0, 3.2, 5).round(9).tolist()
     pads = [scenes.box(f"pad {k}", (ends[k], 0.0, -0.2), (ends[k + 1], 0.3, 0.0), "support") for k in range(4)]

@@ -174,7 +174,7 @@ def test_a_support_covers_its_whole_travel_and_the_lift_that_wedged_the_structur
 
 
 def test_a_support_begins_slowly(begun: Any) -> None:
-    """Over a cosine ramp it covers half of the way at full speed, and over the first half of the ramp far less than half of that."""
+    """On a cosine ramp the support covers half of the way at full speed, and on the ramp's first half far less than half of that."""
     run, _ = begun(ramp_time=0.01)
     run.run()
     settling = rows(run, exchange.SETTLEMENT)

@@ -54,8 +54,8 @@ def case_of(*twists: Any, **more: Any) -> Any:
     [
         ([HALF, DOWN, HALF], DOWN, [0.0, 0.0, 0.0], 2),
         ([DOWN, HALF], DOWN, [0.0, 0.0], 1),
-        ([HALF_TURN, TURN], TURN, [9.0, 2.5], 2),  # for an angle the support leads that turns most
-        ([TURN, TURN], DOWN, [3.0, 5.0], 2),  # for a way the support leads that is farthest from the axis
+        ([HALF_TURN, TURN], TURN, [9.0, 2.5], 2),  # for an angle, the support that turns most leads
+        ([TURN, TURN], DOWN, [3.0, 5.0], 2),  # for a way, the support farthest from the axis leads
         ([TURN, TURN], DOWN, [5.0, 3.0], 1),
     ],
 )

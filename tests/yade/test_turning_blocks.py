@@ -61,7 +61,7 @@ def test_geometry_is_told_per_radian_of_a_support_and_per_pushed_weight_of_a_liv
 
 
 def test_a_block_that_tips_under_a_live_load_bears_less_as_it_leans() -> None:
-    """The multiplier is the tangent of an angle that falls by the tilt. Its slope: -(1 + tan^2) over the centroid's height above it."""
+    """The multiplier is the tangent of an angle that falls by the tilt: slope -(1 + tan^2) over the centroid's height above the edge."""
     half, height, weight, turn = 0.25, 0.35, 1000.0, 1e-4
     multiplier = half / height
     forces = np.array([[-multiplier * weight, 0.0, weight]])  # of the ground on the block, along its edge

@@ -1,4 +1,4 @@
-"""Another past may end in another mechanism, whose value keeps within the bounds, but not within the interval of a prediction."""
+"""Another past may end in another mechanism. Its value keeps within the bounds, but may leave the interval of a prediction."""
 
 from pathlib import Path
 
