@@ -1,4 +1,4 @@
-"""The comparison of two campaigns: what exceeds the stated uncertainties is a change, and nothing else is."""
+"""The comparison of two campaigns: only a difference above the stated uncertainties is a change."""
 
 import json
 from dataclasses import replace
@@ -33,7 +33,7 @@ def test_yade_in_one_campaign_only_is_said_once(tmp_path: Path) -> None:
     for place in range(len(before.rows)):
         after = changed(after, place, yade=None, yade_status=None, yade_uncertainty=None, verdict="")
     found = compare_tables(before, after)
-    assert found.changed and len(found.changes) >= 2 * len(before.rows)  # JSON and the exit code still tell them
+    assert found.changed and len(found.changes) >= 2 * len(before.rows)  # JSON and the exit code still report the changes
     assert sentence(found).startswith("YADE ran in one campaign only")
     assert "changes" not in [str(table.title) for table in terminal_tables(found)]
     other = compare_tables(before, changed(after, 0, coulomb=1.2 * before.rows[0]["coulomb"]))
@@ -42,7 +42,7 @@ def test_yade_in_one_campaign_only_is_said_once(tmp_path: Path) -> None:
 
 
 def moved(folder: Path) -> tuple[CampaignTable, CampaignTable]:
-    """Two campaigns that differ in every kind of thing."""
+    """Return two campaigns with every kind of difference."""
     before = campaign(folder, "two axes")
     after = changed(before, 0, verdict="disagree", yade=600.0)
     after = changed(after, 1, coulomb_mechanism="other", coulomb=before.rows[1]["coulomb"] * 1.1)
@@ -79,7 +79,7 @@ def test_only_what_exceeds_the_stated_uncertainty_is_a_change(tmp_path: Path) ->
     case = before.rows[2]["case"]
     assert not inside.changed and [change.case for change in inside.within] == [case]
     assert "1 reaction differs within the stated uncertainties" in sentence(inside)
-    assert "1 other reaction differs within" in sentence(compare_tables(*moved(tmp_path)))  # other than those that changed
+    assert "1 other reaction differs within" in sentence(compare_tables(*moved(tmp_path)))  # in addition to the changed reactions
     assert words(outside) == [(case, "reaction", "yade")] and not outside.within
 
 
@@ -233,7 +233,7 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_cases_are_matched_by_their_values_in_whatever_order_they_stand(tmp_path: Path) -> None:
-    """Cases of an array are named by its place in the range, so the same name may stand for another case."""
+    """A case with an array as parameter is named by the array's place in the range, so one name may belong to different cases."""
     before = campaign(tmp_path, "directions")
     rows = [dict(row) for row in before.rows]
     names = [row["case"] for row in rows]

@@ -1,4 +1,4 @@
-"""Whoever runs a campaign's cases, and whatever ends in the middle, the table comes out the same, to the byte."""
+"""The table of a campaign is the same, to the byte, whichever workers run its cases and whichever process ends in the middle."""
 
 import contextlib
 import os
@@ -60,7 +60,7 @@ scene = "two_blocks"
 
 @contextlib.contextmanager
 def cluster(workers: int) -> Iterator[str]:
-    """Address of a Dask scheduler with so many worker processes."""
+    """Yield the address of a Dask scheduler with this number of worker processes."""
     command = [sys.executable, str(ROOT / "tests" / "helpers" / "dask_cluster.py"), str(workers)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
@@ -148,8 +148,8 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
         family = tree(process.pid)
         assert len(family) >= 3  # the campaign, a worker, YADE
         assert not listening(family)
-        assert reached(process.pid, signal.SIGINT) == {process.pid}  # it ends the others
-        os.killpg(process.pid, number) if number is signal.SIGINT else process.kill()  # a terminal tells all of them
+        assert reached(process.pid, signal.SIGINT) == {process.pid}  # the campaign itself ends the others
+        os.killpg(process.pid, number) if number is signal.SIGINT else process.kill()  # a terminal sends it to all of them
         _, said = process.communicate()
     assert process.returncode == code
     wait_for(lambda: all(is_gone(one) for one in family))

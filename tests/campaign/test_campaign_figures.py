@@ -1,4 +1,4 @@
-"""The figures of a campaign: colours, units, panels and marks say what the cases came to, and leave out what has no value."""
+"""The colours, units, panels and marks of a campaign's figures show the results of its cases, and leave out undefined values."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -166,7 +166,7 @@ def test_all_numbers_of_an_axis_have_one_size(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("greatest", [0.005, 0.06, 0.9, 40.0])
 def test_an_axis_of_seconds_has_at_least_two_numbers(greatest: float, tmp_path: Path) -> None:
-    """Times from 0.0025 s on: of one power of ten or more, or of none."""
+    """The times, from 0.0025 s on, include several powers of ten, one or none."""
     table = campaign(tmp_path)
     seconds = np.geomspace(0.0025, greatest, len(table.rows))
     costs = [{"case": row["case"], "limit_analysis_seconds": float(one)} for row, one in zip(table.rows, seconds, strict=True)]
@@ -181,7 +181,7 @@ def test_an_axis_of_seconds_has_at_least_two_numbers(greatest: float, tmp_path: 
 
 @pytest.mark.parametrize("numbers", [(31, 38), (65, 75), (101, 104), (11, 19), (31, 31)])
 def test_cases_of_nearly_the_same_size_have_their_figure_of_costs(numbers: tuple[int, int], tmp_path: Path) -> None:
-    """No round number of blocks lies between them: the axis has their own."""
+    """Where no round number of blocks lies between the cases, the axis has their own numbers."""
     table = campaign(tmp_path)
     rows = [row | {"free_blocks": number} for row, number in zip(table.rows, numbers, strict=False)]
     costs = [{"case": row["case"], "limit_analysis_seconds": 0.1 * (k + 1)} for k, row in enumerate(rows)]

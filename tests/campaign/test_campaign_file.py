@@ -1,4 +1,4 @@
-"""A campaign file says which cases there are: wrong files are refused, and every case has a name of its own."""
+"""A campaign file defines its cases: wrong files are refused, and every case has a name of its own."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -155,12 +155,12 @@ def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that
     assert [case.name for case in found] == [f"two_pads_{key}" for key in ("friction=0.3", "friction=0.6", "inset=0.001", "inset=0.002")]
     assert [case.sweep for case in found] == ["two_pads", "two_pads", "two_pads-2", "two_pads-2"]
     assert found[1].run is found[2].run and len({case.run.name for case in found}) == 3
-    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.001], [0.6, 0.002]]  # a default
+    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.001], [0.6, 0.002]]  # values of the scene
     assert axes(definition, found) == {"joint.friction": [0.3, 0.6], "joint.inset": [0.001, 0.002]}
 
 
 def test_scenes_of_one_name_in_two_folders_are_told_apart_by_their_folders(tmp_path: Path) -> None:
-    """The cases of a class were named pads, pads-2 and pads-3: nobody knew whose they were."""
+    """The cases of students of one class were once named pads, pads-2 and pads-3: nobody knew whose they were."""
     for owner in ("anna", "bernd"):
         (tmp_path / owner).mkdir()
         (tmp_path / owner / "pads.toml").write_text(find("two_pads").read_text(encoding="utf-8"), encoding="utf-8")

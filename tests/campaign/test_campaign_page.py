@@ -1,4 +1,4 @@
-"""The pages of a campaign: every case is shown, every address leads somewhere, nothing undefined is a number."""
+"""The pages of a campaign show every case, every link leads somewhere, and no undefined value is shown as a number."""
 
 import base64
 import json
@@ -193,7 +193,7 @@ def test_a_campaign_in_which_nothing_ended_has_a_report(tmp_path: Path) -> None:
 def test_every_mechanism_has_a_picture_from_a_case_that_has_it(tmp_path: Path) -> None:
     table = campaign(tmp_path, "two axes")
     lettered = letters(sweeps_of(table))
-    assert not list(report_rows.mechanism_pictures(table, lettered))  # no case has drawn any
+    assert not list(report_rows.mechanism_pictures(table, lettered))  # no case has a picture yet
     for row in table.rows:
         place = tmp_path / str(row["folder"]) / "scene"
         place.mkdir(parents=True, exist_ok=True)

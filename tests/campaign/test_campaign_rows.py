@@ -1,4 +1,4 @@
-"""What a campaign's report makes of its rows: order, counts, lines, and changes of mechanism."""
+"""A campaign's report derives order, counts, lines and changes of mechanism from its rows."""
 
 import math
 import random
@@ -70,14 +70,14 @@ def test_where_both_methods_agree_after_a_release_yade_is_compared_with_this_val
 
 
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
-    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; 0.5 % of 400, and 2
+    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; tolerance: 0.5 % of 400, and 2
     assert deviation(row) == pytest.approx(1.0)
     assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
     assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
 
 
 def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_itself(tmp_path: Path) -> None:
-    """The floor is 1e-4 of the weight of 1,000 N: 0.1 N; a multiplier is over the weight already, and so is its floor."""
+    """The floor of a reaction is 1e-4 of the weight of 1,000 N: 0.1 N. A multiplier is over the weight already, and so is its floor."""
     row = campaign(tmp_path).rows[0] | {"yade_uncertainty": 0.0}
     for sign in (1.0, -1.0):
         assert deviation(row | {"yade": sign * 1.0, "coulomb": sign * 0.9}) == pytest.approx(1.0)
@@ -88,7 +88,7 @@ def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_
 
 
 def test_a_small_moment_deviates_as_the_judge_measures_it(tmp_path: Path) -> None:
-    """Of a block on a pad that turns: the floor is 1e-4 of the weight times the size of the block."""
+    """For a block on a turning pad, the floor is 1e-4 of the weight times the size of the block."""
     pads = (
         scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
         scenes.box("pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
@@ -123,7 +123,7 @@ def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
 
 
 def test_mechanisms_are_told_by_equality_alone(tmp_path: Path) -> None:
-    """Other labels, equal where the first were, give the same letters, changes and maps."""
+    """Other labels that are equal in the same rows give the same letters and changes of mechanism."""
     table = campaign(tmp_path, "two axes")
     new = {"30-low": "x", "12-high": "y"}
     renamed = replace(
@@ -206,7 +206,7 @@ def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_rea
 
 
 def test_where_blocks_lock_as_they_dilate_the_other_bound_stays(tmp_path: Path) -> None:
-    """The table had a dash for a greatest reaction that was known, because no least one exists."""
+    """The table once had a dash for a known greatest reaction, because no least reaction exists."""
     row = campaign(tmp_path).rows[0] | {"associated_status": "unbounded", "least": None, "greatest": 250.0}
     assert bounds(row) == (-math.inf, 0.25)
     assert value_cells(row)[0] == "–" and value_cells(row)[2] == "0.25000"

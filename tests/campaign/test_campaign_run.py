@@ -1,4 +1,4 @@
-"""The run of a campaign: finished cases are kept, failures are told, and the command ends with what the cases came to."""
+"""A run of a campaign keeps finished cases and reports failures. The results of the cases decide its exit code."""
 
 import dataclasses
 import json
@@ -49,7 +49,7 @@ def test_finished_cases_are_not_run_again_and_a_new_value_adds_its_own_alone(tmp
 def test_a_case_that_missed_its_accuracy_is_run_again_where_a_larger_time_limit_allows_a_slower_run(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whatever `would_run_slower` says of it, by the limit of this call: the campaign asks it, and the worker once more."""
+    """`would_run_slower` decides, by the time limit of this call. The campaign asks it first, and the worker asks it again."""
     asked: list[float | None] = []
 
     def slower(folder: Path, limit: float | None) -> bool:
@@ -89,14 +89,14 @@ def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_c
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    text = sweep('vary = { "effects.elasticity" = ["auto", "none"] }', "wall_low_friction")  # only the answer tells that joints slide
+    text = sweep('vary = { "effects.elasticity" = ["auto", "none"] }', "wall_low_friction")  # only the answer shows that joints slide
     monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
     assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
     said = capsys.readouterr()
     assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
     done, failed = table.read_table(out).rows
     assert (done["state"], failed["state"]) == ("done", "failed")
-    assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # where the program lies is left out
+    assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # the folder of the program is left out
     assert table.read_table(out).failures == [failed]
     again = Inline()
     run(text, out, again)

@@ -1,4 +1,4 @@
-"""The table of a campaign says what each case came to, in every form the same."""
+"""The table of a campaign states the results of each case, the same in every file format."""
 
 import csv
 import io
@@ -37,7 +37,7 @@ def test_a_row_says_what_both_analyses_of_its_scene_say(tmp_path: Path, plain_fi
     assert [row["joint.friction"] for row in found.rows] == [0.3, 0.6]
     for row in found.rows:
         weight, friction = row["weight"] / 2.0, row["joint.friction"]
-        # the right one of two equal blocks carries W_b/(1 + mu^2) by the associated law, and its whole weight in truth
+        # the reaction under the right one of two equal blocks: W_b/(1 + mu^2) by the associated law, W_b without dilatancy
         assert row["least"] == pytest.approx(weight / (1.0 + friction**2), rel=1e-4)
         assert row["coulomb"] == pytest.approx(weight, rel=1e-3)
         assert 0.0 < row["coulomb_uncertainty"] < 1e-2 * weight and row["coulomb_plateaus"] == 1 and row["coulomb_sharp"] is None
@@ -60,7 +60,7 @@ def test_a_live_load_is_a_multiplier(tmp_path: Path, plain_figures: None) -> Non
     (row,) = run(sweep("", "ferris_tin_loi_1"), tmp_path / "out").rows
     analysis = analyse(expand(load_campaign(tmp_path / "campaign.toml"))[0].run.scene())
     assert row["unit"] == "" and row["greatest"] is None
-    assert row["least"] == analysis.bounds[analysis.main].value < 0.64286  # drawn in from the edges, the points hold less
+    assert row["least"] == analysis.bounds[analysis.main].value < 0.64286  # contact points drawn in from the edges bear less
     assert row["coulomb_sharp"] == pytest.approx(0.63982, rel=3e-3)  # as published
 
 
@@ -92,10 +92,10 @@ def test_tables_for_pandas_are_never_those_of_an_earlier_campaign(
     table.write_campaign(found, parquet=True)
     run(sweep('vary = { "joint.friction" = [0.5] }', "two_blocks"), out)
     assert parquet.read_table(out / "results.parquet").column("joint.friction").to_pylist() == [0.5]
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)  # nothing can write them any more
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)  # no library can write the files any more
     table.write_campaign(found)
     assert not list(out.glob("*.parquet"))
-    (out / "results.parquet").mkdir()  # of the user: other programs write folders of such names
+    (out / "results.parquet").mkdir()  # the user's own: other programs write folders with such names
     table.write_campaign(found)
     assert (out / "results.parquet").is_dir()
 
@@ -138,7 +138,7 @@ def test_no_name_is_a_formula_in_a_spreadsheet(name: str, tmp_path: Path, plain_
 
 
 def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Path) -> None:
-    """pandas makes a frame of what h5py gives of a group, one array a column."""
+    """pandas makes a frame from the arrays that h5py reads from a group, one array for each column."""
     from pyarrow import parquet
 
     axes: dict[str, list[Any]] = {"joint.friction": [0.3, 1], "effects.plane": ["auto", True]}
@@ -239,7 +239,7 @@ def test_where_the_support_moves_alone_no_block_moves_whatever_round_off_is_left
 
 
 def test_true_is_a_choice_and_no_number_and_choices_follow_numbers_in_their_own_order() -> None:
-    """To Python true is 1; a sweep of an effect, on and off, has no axis of numbers."""
+    """In Python true equals 1, but a sweep of an effect, on and off, has no axis of numbers."""
     assert json.dumps(ordered([True, 2, 1.0, 1, False, "auto", 0.5], ["auto", False, True])) == '[0.5, 1, 2, "auto", false, true]'
     assert [is_number(value) for value in (1, 1.0, True, False, "1", None)] == [True, True, *[False] * 4]
 

@@ -1,4 +1,4 @@
-"""`crosscheck solve` answers with values, a path or the blocks that fall, and JSON comes alone."""
+"""`crosscheck solve` answers with values, a path or the falling blocks, and prints no other text beside JSON."""
 
 import json
 import math
@@ -64,7 +64,7 @@ def test_without_a_prediction_no_interval_is_withheld() -> None:
 
 
 def _overhanging(folder: Path) -> Path:
-    """Two pads that both lie left of the block's centroid."""
+    """Write a scene whose two pads both lie left of the block's centroid. Return its path."""
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
     path = folder / "overhang.toml"
     path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
@@ -148,7 +148,7 @@ def test_a_path_is_followed_where_it_is_asked_for(tmp_path: Path, capsys: pytest
 def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Pressed straight into the ground, a wall bears any multiple of its weight."""
+    """A wall that is pressed straight into the ground bears any multiple of its weight."""
     path = tmp_path / "pressed.toml"
     path.write_text(scenes.text(*scenes.wall(4, 3), live=(0.0, 0.0, -1.0), model="coulomb"))
     assert main([words[0], str(path), *words[1:], *(("-o", str(tmp_path / "out")) if words[0] == "run" else ())]) == 4
@@ -164,7 +164,7 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
 def test_a_block_that_only_a_thrust_could_hold_may_fall_where_nothing_limits_the_answer(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Laid without thrust between two walls, the block slides down, as in YADE; the associated rule lets it lock and bear any load."""
+    """Without thrust, a block between two walls slides down, as in YADE. By the associated flow rule it locks and bears any load."""
     left, right = (
         scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
         scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 1.0), "fixed"),
@@ -192,7 +192,7 @@ def test_a_tilt_that_a_wall_resists_at_any_angle_points_to_its_axis(tmp_path: Pa
 
 @pytest.mark.parametrize("drive", [{"live": (1.0, 0.0, 0.0)}, {"tilt": (0.0, 1.0, 0.0)}], ids=["push", "tilt"])
 def test_a_multiplier_of_round_off_is_zero(drive: dict[str, tuple[float, ...]], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A block without friction bears no push; the solver leaves some 1e-11 of it."""
+    """A block without friction bears no push. The solver's multiplier of some 1e-11 is shown as 0."""
     path = tmp_path / "ice.toml"
     ground, block = scenes.box("ground", (-1.0, 0.0, -0.1), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
     path.write_text(scenes.text(ground, block, friction=0.0, model="coulomb", **drive))
@@ -202,7 +202,7 @@ def test_a_multiplier_of_round_off_is_zero(drive: dict[str, tuple[float, ...]], 
 
 
 def in_a_slot(inset: float = 0.001, **effects: str) -> str:
-    """A scene: a block that is pulled aslant out of a slot."""
+    """Return the text of a scene: a block is pulled obliquely out of a slot."""
     return scenes.text(*slot(), friction=0.3, inset=inset, live=(1.0, 0.0, 1.0), model="auto", effects=effects)
 
 
@@ -226,7 +226,7 @@ def test_where_an_effect_of_the_scene_forbids_the_prediction_the_next_step_names
 
 
 def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A block pulled aslant out of a slot: lambda W / sqrt 2 = W + mu lambda W / sqrt 2. Bounds alone have no answer."""
+    """For a block pulled obliquely out of a slot, lambda W / sqrt 2 = W + mu lambda W / sqrt 2. Bounds alone give no answer."""
     path = tmp_path / "slot.toml"
     path.write_text(in_a_slot())
     assert main(["solve", str(path), "--json"]) == 0
@@ -247,7 +247,7 @@ def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path
 
 
 def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
-    """A dash is a value that does not exist; nothing limits how hard the flat arch may be pressed."""
+    """A dash means that no value exists. The reaction of the flat arch has no upper limit."""
     analysis = analyse(scenes.shipped("flat_arch"))
     rows = {name: value for name, value, _ in answer_rows(analysis.scene, answer_values(analysis))}
     assert rows["reaction max"] == rows["reaction max sharp"] == "no upper limit"
@@ -257,7 +257,7 @@ def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
     ("keys", "smaller"), [("inset = 0.03", "inset"), ("inset = 0\n[geometry]\ntolerance = 0.01", "inset or tolerance of the geometry")]
 )
 def test_solve_says_that_joints_are_too_short_to_count(keys: str, smaller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """An inset of 30 mm drops a third pad of 12 mm, on which the block would lean with sharp edges; so does a tolerance of 10 mm."""
+    """An inset of 30 mm drops the joint on a third pad of 12 mm, which bears the block at sharp edges. So does a tolerance of 10 mm."""
     third = '[[block]]\nname = "third pad"\nrole = "fixed"\nbox = { from = [0.45, 0.0, -0.1], to = [0.462, 0.2, 0.0] }\n'
     text = shipped.load("two_pads").text.replace("friction = 0.6", f"friction = 0.6\n{keys}")
     (tmp_path / "pads.toml").write_text(f"{text}\n{third}", encoding="utf-8")

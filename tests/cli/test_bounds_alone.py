@@ -1,4 +1,4 @@
-"""`crosscheck solve --bounds` ends with the bounds: nothing is predicted, and only what holds for bounds is judged."""
+"""`crosscheck solve --bounds` ends with the bounds: it makes no prediction, and judges only expected values of bounds."""
 
 import dataclasses
 import json

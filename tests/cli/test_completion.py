@@ -1,4 +1,4 @@
-"""Completion in a real shell: what is offered after a beginning of a line."""
+"""Completion in a real shell: the words offered after the beginning of a line."""
 
 import json
 import shutil
@@ -33,7 +33,7 @@ def script(shell: str, capsys: pytest.CaptureFixture[str]) -> str:
 
 @pytest.fixture
 def offered(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    """What bash offers for the last of some words, in a folder with a scene file and a folder of results."""
+    """Return a function that gives bash's offers for the last of some words, in a folder with a scene file and a folder of results."""
     if BASH is None:
         pytest.skip("there is no bash here")
     path, here = tmp_path / "crosscheck.bash", tmp_path / "here"

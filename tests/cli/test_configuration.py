@@ -1,4 +1,4 @@
-"""Settings from files and the environment: which of them holds, and what is said where one cannot."""
+"""Settings from files and the environment: their precedence, and the messages on invalid settings."""
 
 import contextlib
 import json
@@ -42,7 +42,7 @@ def folder_says(text: str) -> Path:
 
 
 def ran_into() -> str:
-    """The one folder that `run` makes here."""
+    """Return the name of the one folder that `run` makes here."""
     assert main(["run", "two_pads", "--no-yade", "-q"]) == 0
     (report,) = Path().glob("*/report.html")
     return report.parent.name
@@ -56,7 +56,7 @@ def test_without_a_configuration_the_defaults_hold(plain_figures: None) -> None:
 
 
 def test_what_is_nearer_to_the_command_holds(plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Command line before environment before the folder's file before the user's before the default; each says where it is from."""
+    """The command line precedes the environment, the folder's file, the user's file and the default. Each setting names its source."""
     nearer = [settings.load_settings()]
     user = user_says('output = "by-user"\ntime_limit = 5')
     nearer.append(settings.load_settings())
@@ -66,7 +66,7 @@ def test_what_is_nearer_to_the_command_holds(plain_figures: None, monkeypatch: p
     nearer.append(settings.load_settings())
     assert [str(one.settings.output) for one in nearer] == ["crosscheck-results", "by-user", "by-folder", "by-environment"]
     assert [one.source("output") for one in nearer] == ["default", str(user), "crosscheck.toml", "CROSSCHECK_OUTPUT"]
-    assert [one.settings.time_limit for one in nearer] == [None, 5.0, 5.0, 5.0]  # a setting is taken by itself, not with its file
+    assert [one.settings.time_limit for one in nearer] == [None, 5.0, 5.0, 5.0]  # each setting is taken by itself, not with its whole file
     assert ran_into() == "by-environment"
     assert main(["run", "two_pads", "--no-yade", "-q", "-o", "by-command"]) == 0
     assert Path("by-command/report.html").exists() and not Path("by-folder").exists()
@@ -88,7 +88,7 @@ def test_a_time_limit_reaches_the_cases_of_a_campaign(monkeypatch: pytest.Monkey
 
     class Engine(Inline):
         def begin(self, job: Job) -> None:
-            limits.append(pickle.loads(pickle.dumps(job)).time_limit)  # as a worker gets it
+            limits.append(pickle.loads(pickle.dumps(job)).time_limit)  # as a worker receives it
             super().begin(job)
 
     def hears(scene: object, folder: object, listener: object, yade: bool, time_limit: float | None) -> None:
@@ -130,7 +130,7 @@ def test_a_home_is_written_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
 
 
 def test_a_home_for_configurations_must_be_a_whole_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """As the XDG Base Directory Specification has it: any other is as if there were none."""
+    """By the XDG Base Directory Specification, any other path counts as unset."""
     monkeypatch.setenv("HOME", str(tmp_path))
     for variable in ("relative", ""):
         monkeypatch.setenv("XDG_CONFIG_HOME", variable)
@@ -246,10 +246,10 @@ def test_the_table_of_the_page_is_that_of_the_settings() -> None:
 
 
 def test_no_setting_is_a_word_of_a_scene() -> None:
-    """A configuration must not be able to change an answer: what a scene says and what is configured have no word in common."""
+    """A configuration must not be able to change an answer, so the keys of scenes and of configurations have different names."""
     from la_core.exchange.dem_settings import SETTINGS
     from la_core.scene.schema.scene_file import Joint, RequestedEffects, SceneFile, Stone
 
     of_a_scene = {name for table in (SceneFile, Joint, Stone, RequestedEffects) for name in table.model_fields} | set(SETTINGS)
-    time_limit, the_table_of_yade = "time_limit", "yade"  # an end that is told, and the name of a table
+    time_limit, the_table_of_yade = "time_limit", "yade"  # a time limit ends a run with a message; "yade" only names a table
     assert set(Settings.model_fields) & of_a_scene == {time_limit, the_table_of_yade}

@@ -1,4 +1,4 @@
-"""Stored results that are broken are never reported, and the next call makes them again."""
+"""Damaged stored results are never reported. The next call makes them again."""
 
 import json
 import os
@@ -87,7 +87,7 @@ def test_a_damaged_result_is_made_again(name: str, copy: Path, undisturbed: Path
 
 @pytest.mark.slow
 def test_a_run_of_another_scene_is_not_taken_for_this_one_s(copy: Path, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
-    """Same blocks and points, another density: only the digest of the inputs tells."""
+    """Blocks and contact points are the same, but the density is different: only the digest of the inputs shows this."""
     other = tmp_path / "two_pads.toml"
     other.write_text(find("two_pads").read_text().replace("density = 2200.0", "density = 1100.0"))
     assert main(["run", str(other), "-o", str(tmp_path / "other"), "-q"]) == 0
@@ -132,7 +132,7 @@ def test_a_pipe_in_the_place_of_a_result_is_not_waited_for(verb: str, name: str,
     place = copy / name if name == "report.json" else copy / "two_pads" / name
     place.unlink(missing_ok=True)
     os.mkfifo(place)
-    signal.alarm(60)  # it would be waited for in vain
+    signal.alarm(60)  # reading the pipe would never end
     try:
         assert main([verb, *(["two_pads", "-o"] if verb == "run" else []), str(copy), "-q"]) == 0
     finally:
@@ -141,7 +141,7 @@ def test_a_pipe_in_the_place_of_a_result_is_not_waited_for(verb: str, name: str,
 
 
 def test_a_half_drawn_figure_is_never_left(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It would pass for a whole one, for a comparison that has not changed is not drawn again."""
+    """A half-drawn figure would pass for a whole one, because an unchanged comparison is not drawn again."""
     figure = copy / "two_pads" / "mechanisms.png"
     figure.unlink()
     original = Path.write_bytes
@@ -208,7 +208,7 @@ def test_results_that_another_user_closed_are_named_as_left_out(
 def test_a_folder_that_cannot_be_listed_is_not_said_to_hold_no_results(
     copy: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """As with the mode 711: files in it may be read by name, but nothing tells their names."""
+    """With the mode 711, files in the folder may be read by name, but their names cannot be listed."""
     may = os.access
     monkeypatch.setattr(os, "access", lambda path, mode: path != copy and may(path, mode))
     monkeypatch.setattr(Path, "glob", lambda *_: iter(()))
@@ -260,7 +260,7 @@ def test_a_stored_scene_that_breaks_a_rule_is_an_error_of_the_scene(
 
 @pytest.mark.parametrize("status", ["missing", "failed"])
 def test_a_yade_that_made_no_record_keeps_its_own_reason(status: str, tmp_path: Path) -> None:
-    """A record is only lost where there was one."""
+    """Only a run that made a record can have lost it."""
     own = without_run(status, "why")
     assert _without_run(own, tmp_path) == own and _without_run(None, tmp_path) is None
     lost = _without_run(without_run("plateau", ""), tmp_path)

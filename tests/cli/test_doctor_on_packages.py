@@ -1,4 +1,4 @@
-"""`crosscheck doctor` on packages: versions against the declared bounds, and the extras."""
+"""`crosscheck doctor` compares the versions of packages, extras included, with the declared bounds."""
 
 import importlib.metadata
 

@@ -1,4 +1,4 @@
-"""Full disks, folders that cannot be written and memory at an end are named, leave nothing half written, and the next call recovers."""
+"""Full disks, unwritable folders and exhausted memory are named and leave no file half written. The next call recovers."""
 
 import json
 import os
@@ -18,7 +18,7 @@ from comparison.cli.exit_codes import USAGE
 
 
 def failing_writes(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Iterator[int]:
-    """Patches so that the first, second, ... file is written half and then fails; ends when a whole run writes fewer files."""
+    """Let the write of the first, second, ... file fail half way. Yield the file's number; end when a whole run writes fewer files."""
     written = 0
     original = Path.write_bytes
 
@@ -78,7 +78,7 @@ def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
 def test_a_disk_that_fills_up_at_the_report_takes_no_verdict_away(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """All results are stored by then, and the user waited for the verdict."""
+    """All results are stored by then, so the user still gets the verdict."""
 
     def fill(folder: Path, *_: object) -> Path:
         raise OSError(28, os.strerror(28), str(folder / "report.html"))
@@ -117,7 +117,7 @@ def test_a_report_that_cannot_be_written_keeps_no_other_folder_from_its_own(
     assert told.out.count("report:") == 1 and (other / "report.html").is_file()
     assert main(["report", str(filled), str(other), "-q", "--json"]) == TOOL
     first, second = json.loads(capsys.readouterr().out)["reports"]
-    has_verdict = write == "write_report"  # which comes after all comparisons
+    has_verdict = write == "write_report"  # the report is written after all comparisons
     assert (len(first["comparisons"]), first["left_out"]) == ((1, []) if has_verdict else (0, ["two_pads"]))
     assert len(second["comparisons"]) == 1 and second["left_out"] == []
     assert main(["report", str(filled), "-q", "--json"]) == TOOL
@@ -152,7 +152,7 @@ def test_a_disk_that_fills_up_at_the_figure_of_the_costs_takes_no_number_away(
 
 
 def limited(size: int) -> dict[str, Any]:
-    """Options of a process whose files cannot grow larger; Python would leave its compiled modules cut off where all look for them."""
+    """Return options of a process whose files cannot exceed `size`, bytes. Python writes no compiled modules: they would be cut off."""
     return {
         "preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
         "env": {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
@@ -160,7 +160,7 @@ def limited(size: int) -> dict[str, Any]:
 
 
 def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
-    """No file may be larger than the limit, which is what a full disk does to whoever writes."""
+    """A limit on the size of files has the same effect as a full disk."""
     with crosscheck("run", "two_pads", "-o", str(tmp_path / "out"), **limited(100)) as process:
         _, said = process.communicate()
     assert process.returncode == TOOL
@@ -180,7 +180,7 @@ def test_a_disk_that_fills_up_leaves_no_empty_scene_that_a_new_one_would_spare(t
 
 @pytest.mark.slow
 def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(plain_figures: None, tmp_path: Path) -> None:
-    """YADE's process inherits the limit, below which everything but its result, of many stored states, fits."""
+    """YADE's process inherits the limit. Only its result, with many stored states, is larger."""
     scene, undisturbed, out = tmp_path / "two_pads.toml", tmp_path / "undisturbed", tmp_path / "out"
     scene.write_text(scenes.shipped("two_pads").text + "\n[yade]\nposes = 200\nstop_uncertainty = 1e-9\n")
     assert main(["run", str(scene), "-o", str(undisturbed), "-q"]) == 0
@@ -243,7 +243,7 @@ def test_a_folder_that_cannot_be_written_is_named(where: str, tmp_path: Path, ca
 def test_an_output_that_cannot_be_written_is_named(
     command: str, code: int, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A file that is requested below another one is refused before the work."""
+    """An output path cannot lie inside a file. `show` and `solve` refuse it before the work."""
     (tmp_path / "file").touch()
     assert main([command, "two_pads", "-q", "-o", str(tmp_path / "file" / "figure.png")]) == code
     one_message(capsys.readouterr().err, str(tmp_path / "file"), words)

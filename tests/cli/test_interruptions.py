@@ -1,4 +1,4 @@
-"""Whatever stops the program itself leaves nothing half done and no YADE behind, and the next call goes on."""
+"""An interrupted program leaves no file half written and no process of YADE behind. The next call continues."""
 
 import random
 import shutil
@@ -28,7 +28,7 @@ from comparison.run_folder import LOCK, WRITTEN, alone_in
 
 
 def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0, scene: str = "two_pads") -> tuple[int, str]:
-    """Exit code and words of a run that gets a signal when something has happened, and YADE is gone with it."""
+    """Return exit code and messages of a run that gets a signal `delay` seconds after `at()` is true. YADE must have ended, too."""
     with crosscheck("run", scene, "-o", str(out)) as process:
         wait_for(lambda: at() or process.poll() is not None)
         time.sleep(delay)
@@ -62,7 +62,7 @@ def test_an_interruption_ends_yade_and_the_next_call_goes_on(
 def test_a_report_tells_an_interrupted_run_of_yade_from_one_that_nobody_asked_for(
     plain_figures: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Results of limit analysis alone, from before, do not hide it; those from after it stand for themselves."""
+    """Earlier results of limit analysis alone do not hide the interruption. Later results of limit analysis alone replace it."""
     out, scene = tmp_path / "out", str(endless(tmp_path))
     assert main(["run", scene, "-o", str(out), "-q", "--no-yade"]) == 0
     assert stopped_by(signal.SIGINT, out, in_yade(out), 0.3, scene)[0] == INTERRUPTED
@@ -77,7 +77,7 @@ def test_a_report_tells_an_interrupted_run_of_yade_from_one_that_nobody_asked_fo
 
 
 def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path) -> None:
-    """The moment is when its own entry point has taken over from Python."""
+    """The signal comes after the program's own entry point has taken over from Python."""
     (tmp_path / "comparison").mkdir()
     (tmp_path / "comparison" / "__init__.py").touch()
     shutil.copy(ROOT / "comparison" / "__main__.py", tmp_path / "comparison")
@@ -164,7 +164,7 @@ def test_what_a_killed_process_was_writing_is_taken_away(copy: Path) -> None:
 
 
 def test_what_lies_below_a_folder_or_has_another_s_name_is_not_taken_away(tmp_path: Path) -> None:
-    """A folder below is held by itself, and an archive in parts is the user's own."""
+    """A folder below has its own lock, and an archive in parts belongs to the user."""
     (tmp_path / "cases" / "one").mkdir(parents=True)
     kept = ["survey.zip.2.part", "case.h5.part", "case.h5.x.part", "cases/one/case.h5.77.part"]
     for name in (*kept, "case.h5.77.part", "results.csv.8.part"):

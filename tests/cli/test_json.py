@@ -1,4 +1,4 @@
-"""Every command obeys `--json`: one JSON object on standard output and nothing else, or nothing at all beside an error."""
+"""With `--json` every command prints one JSON object and nothing else on standard output, or nothing at all after an error."""
 
 import argparse
 import json
@@ -12,10 +12,10 @@ from comparison.cli.arguments import parser
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, USAGE
 
-VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
+VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # values of required arguments, by their names in the help
 OUTPUTS = {"SCENE": "scene.toml", "FIG": "figure.png", "PAGE": "page.html", "MOVIE": "movie.gif"}
 CAMPAIGN = "campaign.toml"
-PREFERRED = ("no_yade",)  # switches that spare time
+PREFERRED = ("no_yade",)  # switches that save time
 
 
 def _commands() -> dict[str, argparse.ArgumentParser]:
@@ -37,7 +37,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def example(sub: argparse.ArgumentParser, results: Path, folder: Path) -> list[str]:
-    """Arguments with which a command does its work: what it demands, and where its files go."""
+    """Return arguments with which a command does its work: the required ones, and the place of its files."""
     given = []
     for action in sub._actions:
         if action.dest == "output":
@@ -53,7 +53,7 @@ def example(sub: argparse.ArgumentParser, results: Path, folder: Path) -> list[s
 
 
 def one_object(text: str) -> dict[str, Any]:
-    """The object that a text is; anything before, after or beside it, or a number that JSON does not know, is an error."""
+    """Return the JSON object of a text. Any text before or after the object, or a number that JSON does not know, is an error."""
 
     def refuse(name: str) -> NoReturn:
         raise AssertionError(f"{name} is no JSON")
@@ -79,7 +79,7 @@ def test_every_command_prints_one_object_and_nothing_else(
 def test_an_error_is_one_line_on_standard_error_and_an_exit_code(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """Of a configuration that cannot hold, which every command meets; and of a scene or folder that is not there."""
+    """Every command reports an invalid configuration. Commands on a scene or folder report a missing one."""
     monkeypatch.chdir(tmp_path)
     absent = [*example(COMMAND_LINE[name], tmp_path / "nowhere", tmp_path), "--json"]
     if "two_pads" in absent or any(word.startswith(str(tmp_path / "nowhere")) for word in absent):

@@ -1,4 +1,4 @@
-"""A name leads to one scene: where a shipped scene and a file here share it, the command asks which."""
+"""A name leads to one scene. Where a shipped scene and a file here share a name, the command asks which scene is meant."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from la_core.scene import shipped
 
 @pytest.fixture
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder, which is the current one."""
+    """Make an empty folder the current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -63,7 +63,7 @@ def test_a_folder_with_the_name_of_a_shipped_campaign_does_not_hide_it(here: Pat
     (here / "seed_paper").mkdir()
     assert find_campaign(Path("seed_paper")).is_file()
     (here / "other").mkdir()
-    assert find_campaign(Path("other")) == Path("other")  # reading it says that it is a folder
+    assert find_campaign(Path("other")) == Path("other")  # the message that it is a folder comes on reading
 
 
 def test_the_path_of_a_scene_in_another_folder_may_lack_its_ending(here: Path) -> None:
@@ -91,7 +91,7 @@ DRAWING = MESH.replace("mesh", "drawing").replace("loop.obj", "loop.svg") + "thi
 def test_a_file_that_is_a_link_to_itself_is_no_error_of_the_program(
     command: list[str], ending: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The links of a scene, a file of bodies and a drawing were resolved by what raises an error of its own for a loop of links."""
+    """Python raises a special error if the link of a scene, a file of bodies or a drawing is a loop: the command gives one message."""
     (here / f"loop.{ending}").symlink_to(f"loop.{ending}")
     (here / "scene.toml").write_text({"obj": MESH, "svg": DRAWING}.get(ending, ""))
     assert main([*command, f"loop.{ending}" if ending == "toml" or command[0] == "new" else "scene.toml"]) == 2

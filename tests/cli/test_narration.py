@@ -1,4 +1,4 @@
-"""While limit analysis works, a command tells its bounds, its path and the time left, on a terminal and without one."""
+"""While limit analysis works, a command shows its bounds, its path and the time left, on a terminal and without one."""
 
 import dataclasses
 import io
@@ -25,7 +25,7 @@ WEIGHT = 2158.2  # N, of two pads
 
 @pytest.fixture
 def ticks(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
-    """Narration's clock, which advances by so many seconds whenever it is looked at."""
+    """Return a function that lets Narration's clock advance by so many seconds at each reading."""
 
     def by(seconds: float) -> None:
         clock = itertools.count(step=seconds)
@@ -84,7 +84,7 @@ def test_a_run_narrates_bounds_and_path(
 
 
 def shown(monkeypatch: pytest.MonkeyPatch, terminal: str) -> str:
-    """What a terminal of this kind gets to see of two reports."""
+    """Return the output of two reports on a terminal of this kind."""
     monkeypatch.setenv("TERM", terminal)
     screen = io.StringIO()
     with Narration(Console(file=screen, force_terminal=True, width=120)) as narration:

@@ -1,4 +1,4 @@
-"""`crosscheck new` and `crosscheck schema`: scenes that run at once, and keys that editors and readers understand."""
+"""`crosscheck new` writes scenes that run at once. `crosscheck schema` lists keys for editors and readers."""
 
 import json
 import tomllib
@@ -44,7 +44,7 @@ def test_a_new_scene_is_plausible_explained_and_has_bounds(kind: str, here: Path
 @pytest.mark.yade
 @pytest.mark.parametrize("kind", starter_names())
 def test_both_methods_take_a_new_scene(kind: str, here: Path) -> None:
-    """Each shape goes through both methods."""
+    """Both methods agree on the new scene of each shape."""
     main(["new", kind, "-q"])
     scene = load_scene(here / f"{kind}.toml")
     summary = run_scene(scene, here / "results", Silent(), with_yade=True)
@@ -143,7 +143,7 @@ def test_the_settings_of_yade_are_a_table_like_any_other(capsys: pytest.CaptureF
 
 
 def test_the_settings_of_yade_are_listed_with_the_defaults_that_a_run_has(capsys: pytest.CaptureFixture[str]) -> None:
-    """Those that are one number for every case; all others are derived from it."""
+    """The list has each default that is one number for every case. All other defaults are derived from the case."""
     assert main(["schema", "yade"]) == 0
     lines = capsys.readouterr().out.splitlines()
     at = next(line.index("default") for line in lines if line.split()[:3] == ["key", "value", "default"])

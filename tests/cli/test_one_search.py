@@ -10,12 +10,12 @@ from comparison.cli.commands import main
 from la_core.geometry import touching
 from la_core.model import assembly
 
-SCENES = ("two_pads", "wall_third")  # whose prediction is the bound, and whose joints slide
+SCENES = ("two_pads", "wall_third")  # the prediction of the first is the bound; joints of the second slide
 
 
 @pytest.fixture
 def searches(monkeypatch: pytest.MonkeyPatch, plain_figures: None) -> list[int]:
-    """Number of blocks in each search so far."""
+    """Return a list that receives the number of blocks of each search."""
     found: list[int] = []
     search = assembly.find_interfaces
 

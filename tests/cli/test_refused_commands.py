@@ -33,7 +33,7 @@ def test_a_folder_or_file_whose_name_no_disk_takes_is_a_slip_of_the_user(words: 
 def test_what_names_nothing_is_not_taken_for_the_current_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """As an unset variable of the shell does, or a dot in the place of a campaign."""
+    """An unset variable of the shell names nothing, and so does a dot in place of a campaign."""
     (tmp_path / "two_pads").mkdir()
     (tmp_path / "two_pads" / "case.h5").touch()
     monkeypatch.chdir(tmp_path)
@@ -45,7 +45,7 @@ def test_what_names_nothing_is_not_taken_for_the_current_folder(
 def test_an_empty_path_is_refused_by_every_option_and_argument_that_takes_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """`-o "$OUT"` with an unset variable filled the current folder with results."""
+    """`-o "$OUT"` with an unset variable once filled the current folder with results."""
     monkeypatch.chdir(tmp_path)
     paths = ("DIR", "DIR1", "DIR2", "FOLDER", "FIG", "MOVIE", "PAGE", "SOURCE", "FILE")
     for action in actions(parser()):
@@ -64,7 +64,7 @@ def test_an_empty_path_is_refused_by_every_option_and_argument_that_takes_one(
 def test_an_empty_address_of_a_scheduler_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """`--scheduler "$ADDRESS"` with an unset variable ran the campaign on the machine where it was typed."""
+    """`--scheduler "$ADDRESS"` with an unset variable once ran the campaign on the user's own machine."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as stop:
         main(["campaign", "seed_paper", "--no-yade", "--scheduler", ""])
@@ -127,7 +127,7 @@ def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.Captu
 def test_a_scene_with_the_name_of_another_one_s_second_attempt_is_refused(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The second attempt was lost: the other scene's results were written over it."""
+    """The second attempt was once lost: the results of the other scene replaced its results."""
     paths = [tmp_path / f"{name}.toml" for name in ("x", "x_harder")]
     for path in paths:
         shutil.copy(shipped.find("two_pads"), path)
@@ -198,12 +198,12 @@ def test_a_path_needs_friction_that_does_not_dilate(tmp_path: Path, capsys: pyte
 def test_the_name_of_stored_results_alone_is_answered_with_their_folder(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The scene may be gone, and its results lie in the folder of results: commands that read results say where."""
+    """The scene may be gone while its results are stored. Commands that read results say where they are."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("CROSSCHECK_OUTPUT", "results")
     shutil.copy(shipped.find("two_pads"), "mine.toml")
     assert main(["run", "mine.toml", "--no-yade", "-q"]) == 0
-    assert main(["report", "mine.toml"]) == 2  # the scene itself
+    assert main(["report", "mine.toml"]) == 2  # the scene file still exists
     assert f'did you mean "{Path("results", "mine")}"?' in capsys.readouterr().err
     Path("mine.toml").unlink()
     for command in ("export", "animate", "report"):

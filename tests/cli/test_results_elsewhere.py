@@ -1,4 +1,4 @@
-"""Results that were moved, copied or made by another version: the report still says when, by what and from which files they were made."""
+"""For results that were moved, copied or made by another version, the report still states their time, program and input files."""
 
 import hashlib
 import json
@@ -16,7 +16,7 @@ from comparison.cli.context import Context
 from la_core import exchange
 from la_core.exchange import hdf5
 
-BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
+BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # results of `crosscheck run two_pads`, without figures
 
 
 def stored(folder: Path, scene: str = "two_pads") -> dict[str, object]:
@@ -62,7 +62,7 @@ def test_results_keep_the_versions_that_made_them(results: Path) -> None:
 
 
 def test_versions_and_dates_that_are_unknown_are_not_those_of_today(tmp_path: Path) -> None:
-    """Files of version 0.2.0 do not say them, but the comparison beside them says the versions."""
+    """HDF5 files of version 0.2.0 state neither, but the comparison beside them states the versions."""
     out = shutil.copytree(BEFORE, tmp_path / "out")
     versions = stored(out)["provenance"]
     assert main(["report", str(out), "-q"]) == 0
@@ -74,7 +74,7 @@ def test_versions_and_dates_that_are_unknown_are_not_those_of_today(tmp_path: Pa
 
 @pytest.mark.parametrize("time", ["yesterday", "2026-11-30T08:00:00", None])
 def test_a_time_that_is_none_is_no_date(time: str | None, results: Path) -> None:
-    """It must have a zone, so that the times of two files can be compared."""
+    """A time must have a zone, so that the times of two files can be compared."""
     case = results / "two_pads" / "case.h5"
     exchange.write(case, (), {}, "", {})
     made = json.dumps({"crosscheck": "1", exchange.MADE_AT: time})
@@ -85,7 +85,7 @@ def test_a_time_that_is_none_is_no_date(time: str | None, results: Path) -> None
 
 
 def test_a_second_attempt_decides_whatever_the_folders_are_called(results: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The first attempt is told by the scene's name, which a renamed folder does not change."""
+    """The scene's name identifies the first attempt; a renamed folder does not change it."""
     first = stored(results) | {"verdict": "inconclusive", "next_step": "do this", "reason": "in doubt", "folder": "first try"}
     second = stored(results) | {"scene": "two_pads_harder", "folder": "second try"}
     second["first_verdict"] = {"scene": "two_pads", "verdict": "inconclusive", "reason": "in doubt"}
@@ -99,7 +99,7 @@ def test_another_verdict_on_the_same_results_is_told(
     results: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("comparison.workflow.one_scene.check_expected", lambda analysis: [])
-    monkeypatch.setattr("comparison.workflow.one_scene.COMPARISON_CODE", ())  # as with other code
+    monkeypatch.setattr("comparison.workflow.one_scene.COMPARISON_CODE", ())  # as if the code were different
     capsys.readouterr()
     assert main(["report", str(results)]) == 0
     said = " ".join(capsys.readouterr().err.split())

@@ -1,4 +1,4 @@
-"""`crosscheck run` writes every file, finds it again, and redoes what is changed, damaged or missing."""
+"""`crosscheck run` writes every file, reuses it later, and makes changed, damaged or missing files again."""
 
 import json
 import os
@@ -126,7 +126,7 @@ def test_a_limit_of_a_second_attempt_asks_for_one(
 def test_a_report_that_lacks_scenes_of_an_earlier_run_says_how_to_have_them_all(
     tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Both runs write the report of one folder, each of its own scenes."""
+    """Two runs write the report of one folder, each with its own scenes only."""
     out = tmp_path / "all mine"
     assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
     assert "other scene" not in capsys.readouterr().err
@@ -149,7 +149,7 @@ def test_a_changed_scene_leaves_neither_the_run_of_the_earlier_one_nor_its_log(c
 def test_a_pdf_of_an_earlier_report_is_named_as_one(
     tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It stays, because somebody may have signed it."""
+    """The PDF stays, because somebody may have signed it."""
     monkeypatch.chdir(tmp_path)
     (printed := tmp_path / "mine" / "report.pdf").parent.mkdir()
     told = "mine/report.pdf is of an earlier report; `crosscheck report mine --pdf` prints this one"

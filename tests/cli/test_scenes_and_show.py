@@ -1,4 +1,4 @@
-"""`crosscheck scenes` and `crosscheck show` tell what there is before anything is solved."""
+"""`crosscheck scenes` and `crosscheck show` describe scenes before any analysis."""
 
 import json
 import math
@@ -27,7 +27,7 @@ def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.Capture
 
 
 def test_the_mass_of_floors_is_no_density_of_stone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Both a table and a report gave the blocks under a roof of 380 kg a stone of 4500 kg/m3."""
+    """A table and a report once gave 4500 kg/m3 as the density of the blocks under a roof of 380 kg."""
     scene, results = tmp_path / "building.toml", tmp_path / "results"
     assert main(["new", "building", "-o", str(scene)]) == 0 and main(["show", str(scene), "-o", str(tmp_path / "a.png")]) == 0
     printed = capsys.readouterr().out
@@ -49,7 +49,7 @@ def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest
 
 
 def test_the_estimated_times_follow_the_recorded_ones() -> None:
-    """The record's machine may be faster or slower than an ordinary one, so times are compared with the machine's median factor."""
+    """The record's machine may be faster or slower than an ordinary one, so the test compares times relative to its median factor."""
     records = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))
     names = sorted(records)
     estimates = {name: estimated_times(len(structural_model(load_scene(shipped.find(name))).assembly.points)) for name in names}

@@ -1,4 +1,4 @@
-"""What others wrote is data: nothing listens, nothing outside of a folder is touched, sizes are bounded."""
+"""Files of other authors are only data: no process listens on a port, no file outside of a folder is touched, and sizes are bounded."""
 
 import json
 import os
@@ -26,11 +26,11 @@ from la_core.scene.shipped import find
 ROOT = Path(__file__).parents[2]
 
 
-# --- nothing listens ----------------------------------------------------------------------------------------------------------
+# --- listening processes ------------------------------------------------------------------------------------------------------
 
 
 def test_what_listens_is_seen() -> None:
-    """The test below could fail."""
+    """The next test could fail: a listening process is seen."""
     program = "import socket, time; s = socket.create_server(('127.0.0.1', 0)); print(1, flush=True); time.sleep(60)"
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None and process.stdout.readline()
@@ -65,7 +65,7 @@ def test_nothing_listens_during_a_run(tmp_path: Path) -> None:
     ],
 )
 def test_no_program_of_the_current_folder_is_run(words: tuple[str, ...], tmp_path: Path) -> None:
-    """A folder of scenes may come from anybody, and Python loads modules from the current folder where nobody forbids it."""
+    """A folder of scenes may come from anybody, and Python loads modules from the current folder unless this is forbidden."""
     for name in ("signal", "pickle", "multiprocessing", "numpy", "h5py"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('loaded from the current folder')\n", encoding="utf-8")
     command = tmp_path / "bin" / "crosscheck"  # as pip writes it
@@ -151,7 +151,7 @@ def test_a_scene_s_text_and_blocks_are_limited(tmp_path: Path, two_pads: str, mo
 WALL = "origin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 3\ncourses = 3\n"
 
 
-SLOW: dict[str, Callable[[int], str]] = {  # lines of a length
+SLOW: dict[str, Callable[[int], str]] = {  # lines of a given length
     "signs": lambda count: "x = " + "=" * count,
     "braces": lambda count: "x = " + "{" * count + "}",
     "a deep key": lambda count: "a." * count + "b = 1",
@@ -160,11 +160,11 @@ SLOW: dict[str, Callable[[int], str]] = {  # lines of a length
     "a deep key in braces": lambda count: "x = { " + "a." * count + "b = 1 }",
 }
 LONG_LINE = 50_000
-GROWTH, NOISE = 3.0, 0.1  # of the processor's seconds of a line twice as long: the square takes four times as many; s of other work
+GROWTH, NOISE = 3.0, 0.1  # seconds for a line twice as long, over those for the line (the square takes 4 times as many); s of other work
 
 
 def seconds_to_refuse(text: str, path: Path) -> float:
-    """Least seconds of the processor, of three times: other processes of a busy machine take none of them."""
+    """Return the least processor time of three, s. Other processes of a busy machine add nothing to it."""
     path.write_text(text)
     spent = []
     for _ in range(3):
@@ -178,7 +178,7 @@ def seconds_to_refuse(text: str, path: Path) -> float:
 
 @pytest.mark.parametrize("line", SLOW.values(), ids=SLOW)
 def test_no_line_of_a_scene_takes_the_square_of_its_length(line: Callable[[int], str], tmp_path: Path, two_pads: str) -> None:
-    """Each took minutes, the second half by Python's own reader."""
+    """Each of these lines once took minutes, the second half of them in Python's own reader."""
     once, twice = (seconds_to_refuse(f"{two_pads}\n{line(count)}\n", tmp_path / "scene.toml") for count in (LONG_LINE, 2 * LONG_LINE))
     assert twice < GROWTH * once + NOISE
 
@@ -207,7 +207,7 @@ def test_a_result_s_file_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         exchange.read(path, FIELDS)
 
 
-# --- HDF5 from another hand ---------------------------------------------------------------------------------------------------
+# --- HDF5 files of other authors ----------------------------------------------------------------------------------------------
 
 FIELDS = (exchange.Field("a/values", "f8", ("N", 3), "m", "some values"),)
 
@@ -263,7 +263,7 @@ HANDS = (
 def test_a_sealed_file_of_another_hand_reads_no_other_file_and_fills_no_memory(
     hand: Callable[[h5py.File, Path], None], tmp_path: Path
 ) -> None:
-    """What it leads to is a whole file with just what is asked for, so that following would succeed."""
+    """The links lead to a whole file with the requested data, so that a reader that follows them would succeed."""
     other, path = tmp_path / "other.h5", tmp_path / "file.h5"
     for each in (other, path):
         exchange.write(each, FIELDS, {"a/values": np.ones((3, 3))}, "")
@@ -278,7 +278,7 @@ def test_a_sealed_file_of_another_hand_reads_no_other_file_and_fills_no_memory(
 def test_a_report_of_stored_results_touches_nothing_outside_of_them(
     tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Results may come from others: their scene's meshes may not lead elsewhere."""
+    """Results may come from others: the meshes of their scene must not be links out of the folder."""
     out = tmp_path / "out"
     assert main(["run", "rubble_wall", "-o", str(out), "--no-yade", "-q"]) == 0
     folder = out / "rubble_wall"

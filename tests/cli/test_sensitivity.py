@@ -1,4 +1,4 @@
-"""`crosscheck sensitivity` tables and draws what the parameters of the classic iteration do to its answer."""
+"""`crosscheck sensitivity` tabulates and draws the influence of the classic iteration's parameters on its answer."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Scenes in worker processes side by side: the same answers, errors in words, and an end at once."""
+"""Scenes in parallel worker processes have the same answers, report errors in words, and end at once."""
 
 import json
 import os
@@ -57,8 +57,8 @@ def test_a_stop_ends_all_scenes_at_once_and_begins_no_other(tmp_path: Path) -> N
         runs = [out / name / "yade.log" for name in ("first", "second")]
         wait_for(lambda: all(run.exists() for run in runs) or process.poll() is not None)
         family = tree(process.pid)
-        assert reached(process.pid, signal.SIGINT) == {process.pid}  # it ends the others
-        os.killpg(process.pid, signal.SIGINT)  # a terminal tells all of them
+        assert reached(process.pid, signal.SIGINT) == {process.pid}  # the program itself ends the others
+        os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to all of them
         _, said = process.communicate()
     assert process.returncode == INTERRUPTED
     one_message(said, "stopped")
@@ -67,7 +67,7 @@ def test_a_stop_ends_all_scenes_at_once_and_begins_no_other(tmp_path: Path) -> N
 
 
 def made_by(function: Callable[[Any], Any], *pieces: Any) -> list[Any]:
-    """What workers make of pieces of work, one after another."""
+    """Return the results of a worker for pieces of work, one after another."""
     made = []
     with WorkerProcesses(function, 1) as workers:
         for work in pieces:
@@ -181,6 +181,6 @@ except KeyboardInterrupt:
 
 
 def test_a_sigterm_while_a_worker_starts_waits_until_it_has_started() -> None:
-    """A campaign that a batch scheduler ended in that moment left the traceback of a worker: EOFError: Ran out of input."""
+    """A campaign that a batch scheduler ended at that moment once left the traceback of a worker: EOFError: Ran out of input."""
     ended = subprocess.run([sys.executable, "-c", STOPPED_AT_A_START], cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == INTERRUPTED and ended.stderr == ""

@@ -1,4 +1,4 @@
-"""`crosscheck run` uses what `crosscheck solve` found, and the other way round; an answer to another question is not taken for it."""
+"""`crosscheck run` and `crosscheck solve` reuse each other's answers, but never the answer to another question."""
 
 import dataclasses
 import json
@@ -18,7 +18,7 @@ from la_core.scene import load, shipped
 pytestmark = pytest.mark.usefixtures("plain_figures")
 
 
-# --- one finds what the other found -------------------------------------------------------------------------------------------
+# --- reuse of answers ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["two_pads", "two_blocks", "ferris_tin_loi_1"])
@@ -78,7 +78,7 @@ def test_what_solve_found_can_be_reported_without_a_run(out: Path, capsys: pytes
     assert "two_pads" in capsys.readouterr().out
 
 
-# --- what is another answer ---------------------------------------------------------------------------------------------------
+# --- answers to other questions -----------------------------------------------------------------------------------------------
 
 
 def test_an_answer_with_a_path_is_not_taken_for_one_without_nor_the_other_way_round(
@@ -100,7 +100,7 @@ def test_a_path_of_the_scene_itself_is_stored_with_it(
     path.write_text(shipped.find("two_pads").read_text() + "\n[path]\nincrements = 3\n")
     first, second = (solve(out, capsys, str(path))["limit_analysis"]["path"] for _ in range(2))
     assert len(analysed) == 1 and len(first["settlement"]) == 4 and first == second
-    assert solve(out, capsys)["limit_analysis"]["path"] is None  # of the shipped scene of the same name
+    assert solve(out, capsys)["limit_analysis"]["path"] is None  # the shipped scene of the same name has no path
 
 
 def test_bounds_alone_are_neither_stored_nor_taken_from_what_is_stored(
@@ -118,7 +118,7 @@ def test_bounds_alone_are_neither_stored_nor_taken_from_what_is_stored(
 def test_results_of_another_state_of_a_scene_stay_as_they_are(
     first: Callable[..., object], out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Or of another scene of the same name; nothing is said about them."""
+    """This also holds for another scene of the same name. No message mentions the stored results."""
     first(out, capsys)
     (out / "two_pads" / "run.h5").write_bytes(b"of YADE")
     before, other = state(out), lighter(tmp_path)
@@ -127,7 +127,7 @@ def test_results_of_another_state_of_a_scene_stay_as_they_are(
     captured = capsys.readouterr()
     assert json.loads(captured.out)["weight"] == pytest.approx(2158.2 / 2)
     assert state(out) == before
-    assert [line.split(": ")[1].split(",")[0] for line in captured.err.splitlines()] == ["limit analysis"] * 2  # it begins, and its bounds
+    assert [line.split(": ")[1].split(",")[0] for line in captured.err.splitlines()] == ["limit analysis"] * 2  # beginning, and bounds
 
 
 def test_what_a_run_of_yade_changed_is_not_taken_for_an_answer_of_limit_analysis_alone(
@@ -146,7 +146,7 @@ def test_what_a_run_of_yade_changed_is_not_taken_for_an_answer_of_limit_analysis
 def test_what_cannot_stand_is_told_from_what_is_stored_too_and_loads_are_named(
     out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A tie at its top overturns a block that stands without it: 500 N at 0.9 m against 397 N m."""
+    """A tie at its top overturns a block that stands without the tie: 500 N at 0.9 m exceed 397 N m of the weight."""
     block, ground = (
         scenes.box("block", (0.0, 0.0, 0.0), (0.3, 0.5, 0.9)),
         scenes.box("ground", (-3.0, -1.0, -0.1), (1.0, 1.0, 0.0), "fixed"),

@@ -1,4 +1,4 @@
-"""`crosscheck solve` answers where its answer cannot be stored, and harms nothing that lies there or is being written."""
+"""`crosscheck solve` answers even if its answer cannot be stored, and harms no file that is there or is being written."""
 
 import os
 import shutil
@@ -19,7 +19,7 @@ from la_core.scene import load, shipped
 pytestmark = pytest.mark.usefixtures("plain_figures")
 
 
-# --- what stands in the way ---------------------------------------------------------------------------------------------------
+# --- obstacles to storing -----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "scene.toml", "comparison.json", "run.h5", "case.h5"])
@@ -112,7 +112,7 @@ def test_a_stored_result_with_the_right_digest_and_wrong_values_is_not_used(
     assert lasting(solve(out, capsys)) == lasting(fresh)
 
 
-# --- at the same time ---------------------------------------------------------------------------------------------------------
+# --- commands at the same time ------------------------------------------------------------------------------------------------
 
 
 def test_a_folder_in_use_is_read_but_not_written_and_nobody_waits(
@@ -132,7 +132,7 @@ def test_a_folder_in_use_is_read_but_not_written_and_nobody_waits(
 def test_of_two_at_once_the_first_to_end_stores(
     other: str, out: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The second one runs as a whole while the first one is predicting; `solve` must not have locked the folder."""
+    """The second command runs as a whole during the prediction of the first command. `solve` must not have locked the folder."""
     seen: list[dict[str, tuple[int, bytes]]] = []
     begun: list[str] = []
 

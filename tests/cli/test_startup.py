@@ -1,4 +1,4 @@
-"""What a command loads, and how often it computes what stays the same; seconds are in comparison/gallery/startup.md."""
+"""A command loads only the modules that it uses, and computes nothing twice. Seconds are in comparison/gallery/startup.md."""
 
 import gc
 import io
@@ -28,7 +28,7 @@ OWN = {"comparison.report", "comparison.figures", "comparison.workflow", "compar
 
 
 def loaded_by(statement: str, folder: Path) -> set[str]:
-    """Names of all modules that a process has loaded after a statement."""
+    """Return the names of all modules that a process has loaded after a statement."""
     program = f"import sys\n{statement}\nprint('loaded', *sys.modules)"
     environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
     ended = subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment, capture_output=True, text=True, check=True)
@@ -112,7 +112,7 @@ def test_pairs_of_near_blocks_are_those_of_a_comparison_of_all_with_all(sizes: t
     draw = np.random.default_rng(21)
     low = draw.uniform(0.0, sizes, (150, 3))
     high = low + draw.uniform(0.05, 1.0, (150, 3)) * np.where(np.arange(150) < 3, 5.0, 0.6)[:, None]
-    low[10:20, 2] = high[0:10, 2]  # some meet exactly
+    low[10:20, 2] = high[0:10, 2]  # some blocks meet exactly
     high[10:20, 2] = low[10:20, 2] + 0.5
     bodies = [shapes.box(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True)]
     blocks = Blocks.gather([f"b{k}" for k in range(150)], ["free"] * 150, [1.0] * 150, bodies)

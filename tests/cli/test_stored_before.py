@@ -1,4 +1,4 @@
-"""Results that version 0.2.0 stored are read as they are, or made again with a word; they are never misread."""
+"""Results that version 0.2.0 stored are read as they are, or made again with a message. They are never misread."""
 
 import json
 import shutil
@@ -13,7 +13,7 @@ from comparison.report.scene_view import view_of_scene
 from comparison.workflow.one_scene import LIVE_WITHOUT_YADE, _sum_of
 from comparison.yade import read_results
 
-BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
+BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # results of `crosscheck run two_pads`, without figures
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def test_both_methods_results_are_read_value_by_value(stored: Path) -> None:
 
 
 def test_what_was_a_dictionary_is_read_as_one(stored: Path) -> None:
-    """The three parts of YADE's record have attributes today; a script of then asks by name, and iterates over names."""
+    """The three parts of YADE's record have attributes today. Scripts for version 0.2.0 read them by name and iterate over names."""
     run = read_results(stored / "two_pads").recorded
     assert run is not None
     for part in (run.result, run.record, run.poses):
@@ -55,13 +55,13 @@ def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None)
         then, today = (summary["limit_analysis"][law] for summary in (before, now))
         assert {key: today[key] for key in then} == then
     assert now["limit_analysis"]["coulomb"]["uncertainty"] is None
-    for then, today in zip(before["checks"], now["checks"], strict=True):  # an expected value is met by one method: it agrees with nobody
+    for then, today in zip(before["checks"], now["checks"], strict=True):  # one method meets an expected value: no agreement
         said = "expected" if then["name"].startswith("expected") else then["verdict"]
         assert (today["name"], today["verdict"]) == (then["name"], said)
 
 
 def test_a_report_takes_results_that_do_not_say_why_rotations_are_small(stored: Path) -> None:
-    """Where joints slide the report gives that reason; version 0.2.0 knew no other rotations, so that it stored none."""
+    """Where joints slide, the report gives the reason. Version 0.2.0 had only small rotations and stored no reason."""
     before = json.loads((BEFORE / "two_pads" / "comparison.json").read_text(encoding="utf-8"))
     effects = before["effects"] | {"friction": "coulomb", "rotation": "small"}
     assert "rotation" not in effects["reasons"]
@@ -73,7 +73,7 @@ def test_a_report_takes_results_that_do_not_say_why_rotations_are_small(stored: 
 
 
 def test_a_stored_note_that_yade_cannot_run_live_loads_is_left_out(stored: Path, plain_figures: None) -> None:
-    """The note stood beside every live load; a note that stays true is kept."""
+    """The note stood beside every live load. A note that is still true is kept."""
     path = stored / "two_pads" / "comparison.json"
     for notes, kept in (([LIVE_WITHOUT_YADE], []), ([LIVE_WITHOUT_YADE, "kept"], ["kept"])):
         summary = json.loads(path.read_text(encoding="utf-8")) | {"notes": notes, "inputs": "older"}
@@ -83,7 +83,7 @@ def test_a_stored_note_that_yade_cannot_run_live_loads_is_left_out(stored: Path,
 
 
 def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
-    """The code has changed since, so that nothing stored then counts as cached."""
+    """The code has changed since, so the results of version 0.2.0 do not count as cached."""
     assert main(["run", "two_pads", "--no-yade", "-o", str(stored)]) == AGREE
     narrated = capsys.readouterr().err
     assert "limit analysis: running" in narrated and "cached" not in narrated

@@ -1,4 +1,4 @@
-"""Closed or full streams and missing parts end in the exit code of the pages, never in a traceback or in that of a verdict."""
+"""Closed or full streams and missing parts end with the documented exit code, never with a traceback or the code of a verdict."""
 
 import errno
 import os
@@ -48,7 +48,7 @@ def test_work_goes_on_where_nobody_can_be_told_of_it(tmp_path: Path) -> None:
 
 
 def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
-    """Bars write to it, too."""
+    """Progress bars write to the terminal, too."""
     ours, theirs = os.openpty()
     command = [sys.executable, "-m", "comparison", "run", "two_pads", "--no-yade", "-o", str(tmp_path / "out")]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm"}
@@ -65,7 +65,7 @@ def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
 def test_a_variable_meant_for_a_library_ends_no_command(
     name: str, value: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A backend that matplotlib has dropped may stand in a profile for years."""
+    """A backend that matplotlib has dropped may stay in a user's profile for years."""
     monkeypatch.setenv(name, value)
     command, environment = [sys.executable, "-m", "comparison", *words.split()], {**os.environ, "PYTHONPATH": str(ROOT)}
     ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
@@ -123,7 +123,7 @@ def test_a_missing_part_is_named_with_what_completes_the_installation(part: str,
 
 
 def test_windows_is_told_where_the_program_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its Python lacks modules of the standard library, and the installation was called incomplete."""
+    """Python on Windows lacks modules of the standard library, so a message once called the installation incomplete."""
     monkeypatch.setattr(sys, "platform", "win32")
     assert entry() == TOOL
     one_message(capsys.readouterr().err, "install it in WSL", "wsl --install")

@@ -1,4 +1,4 @@
-"""Nothing in a text that others wrote is obeyed: by the terminal, by the library that draws its tables, or by a page."""
+"""Neither the terminal, nor the library that draws its tables, nor a page obeys markup or control characters in texts of others."""
 
 import io
 import os
@@ -124,7 +124,7 @@ def table_of_changes() -> Table:
 
 @pytest.mark.parametrize("made", [table_of_costs, table_of_sensitivity, table_of_changes])
 def test_markup_stays_text_in_the_tables_of_studies_and_comparisons(made: Callable[[], Table]) -> None:
-    """A study lost what it had measured for minutes to a bracket in a title."""
+    """A bracket in a title once cost a study its measurements of minutes."""
     console = Console(file=io.StringIO(), width=500, soft_wrap=True, emoji=False)
     show_table(console, made())
     assert MARKUP in console.file.getvalue()  # type: ignore[attr-defined]
@@ -136,7 +136,7 @@ def test_markup_stays_text_in_the_tables_of_studies_and_comparisons(made: Callab
 def test_what_the_interpreter_of_yade_says_is_not_obeyed(
     said: str, fake_python: Fake, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A script in the place of YADE's Python wrote to the terminal as it liked."""
+    """A script in the place of YADE's Python once controlled the terminal by its output."""
     fake_python(r"printf '\033[32mboo\n'; exit 7", said)
     for words in (["doctor"], ["run", "two_pads", "-o", str(tmp_path / "out")]):
         main(words)

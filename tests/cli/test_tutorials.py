@@ -1,4 +1,4 @@
-"""The walk-throughs for students run, their answers hold, and their notebooks are notebooks."""
+"""The walk-throughs for students run, their answers are right, and their notebooks are valid."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ def test_every_script_is_listed_in_the_order_of_reading(capsys: pytest.CaptureFi
 @pytest.mark.yade
 @pytest.mark.parametrize("name", [name if name == CHEAPEST else pytest.param(name, marks=pytest.mark.slow) for name in tutorial.NAMES])
 def test_a_walk_through_runs_and_its_answer_is_checked(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each script holds its numbers against hand calculations by itself; here it is seen to run to its end, with figures."""
+    """Each script compares its numbers with hand calculations by itself. The test sees that it runs to its end, with figures."""
     assert main(["tutorial", name, "-o", str(tmp_path / "out"), "--json"]) == 0
     said = capsys.readouterr()
     told = json.loads(said.out)
@@ -91,7 +91,7 @@ def test_notebooks_are_written_for_one_or_for_all(tmp_path: Path, capsys: pytest
 
 def test_a_notebook_that_a_student_worked_in_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     command = ["tutorial", "--notebook", "-o", str(tmp_path)]
-    assert main(command) == main(command) == 0  # what nobody changed is written again
+    assert main(command) == main(command) == 0  # unchanged notebooks are written again
     (tmp_path / "arch.ipynb").write_text("an answer", encoding="utf-8")
     (tmp_path / "pads.ipynb").unlink()
     assert main(command) == 2

@@ -1,4 +1,4 @@
-"""Manners of the command line: help where nothing is asked, guesses for slips, the width of the terminal, either folder of results."""
+"""The command line gives help without arguments, guesses misspelt words, fits the terminal, and takes either folder of results."""
 
 import io
 import itertools
@@ -47,7 +47,7 @@ def test_a_misspelt_command_or_option_is_guessed(capsys: pytest.CaptureFixture[s
     assert 'did you mean "--no-yade"?' in refusal(capsys, "run", "two_pads", "--noyade")
     assert "valid options: --help, --quiet, --json, --output" in refusal(
         capsys, "run", "two_pads", "--results", "x"
-    )  # like no other option
+    )  # no other option is similar
     assert 'did you mean "bash"?' in refusal(capsys, "completion", "bahs")
     assert "one argument too many" in refusal(capsys, "solve", "two_pads", "two_blocks")
 
@@ -166,7 +166,7 @@ def test_a_short_table_leaves_out_the_evidence_that_long_shows(capsys: pytest.Ca
 def test_a_scene_needs_no_ending_and_an_unknown_one_is_called_a_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shutil.copy(shipped.find("two_pads"), tmp_path / "mywall.toml")
-    (tmp_path / "mywall").mkdir()  # as its folder of results is called
+    (tmp_path / "mywall").mkdir()  # the name of its folder of results
     assert shipped.find("mywall") == Path("mywall.toml")
     with pytest.raises(Exception, match='did you mean "two_pads"'):
         shipped.find("two_pds")

@@ -1,4 +1,4 @@
-"""Laws of the animation: it begins at rest, ends with the whole record, and takes what it is called as text."""
+"""The animation begins at rest, ends with the whole record, and shows titles and names as plain text."""
 
 import errno
 import itertools
@@ -114,7 +114,7 @@ def test_an_animation_of_other_results_is_taken_away(animated: Path, tmp_path: P
 def test_results_without_yade_stay_so_beside_the_record_of_an_earlier_run(
     animated: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """`crosscheck report` brought YADE back in. A record that came later, such as that of another machine, counts."""
+    """`crosscheck report` leaves out a record older than the comparison. A newer record, such as one of another machine, counts."""
     folder = shutil.copytree(animated.parent, tmp_path / "out") / "two_pads"
 
     def verdict_of_report() -> str:

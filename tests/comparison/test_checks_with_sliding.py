@@ -1,4 +1,4 @@
-"""Where joints slide, a run is judged by the prediction, whose interval and doubt excuse nothing."""
+"""Where joints slide, a run is compared with the prediction. Neither its interval nor a large uncertainty excuses a difference."""
 
 import dataclasses
 from types import SimpleNamespace
@@ -31,7 +31,7 @@ from la_core.scene.scene import Scene
 def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
     scene, analysis = case_of("two_blocks")
     analysis = dataclasses.replace(with_answers(analysis, coulomb=None), sharp=dataclasses.replace(analysis.sharp, coulomb=None))
-    run = perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
+    run = perfect_run(analysis, reaction=0.5 * scene.weight)  # the reaction for friction without dilatancy
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "reaction against prediction")
     assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
     assert check.difference == pytest.approx(0.5 * scene.weight - analysis.bounds[Drive.YIELDING].value)
@@ -48,7 +48,7 @@ def test_what_to_do_about_a_missing_prediction_depends_on_whether_one_was_reques
 
 @pytest.fixture(scope="module")
 def wall() -> tuple[Scene, LimitAnalysis]:
-    """A wall whose joints slide, in which friction's history decides within an interval."""
+    """A wall whose joints slide: the history of friction decides its reaction within an interval."""
     return case_of("wall_third")
 
 
@@ -70,7 +70,7 @@ def test_where_joints_slide_in_yade_alone_the_reason_says_who_left_sliding_out(
 
 @pytest.mark.parametrize("asked", ["none-slides", "associated"])
 def test_where_the_scene_excludes_sliding_and_yades_mechanism_is_unknown_there_is_no_sharp_prediction(asked: str) -> None:
-    """Beds without friction slide back under a tilt in YADE: no plateau has two states, and its multiplier is zero."""
+    """Blocks on beds without friction slide back under a tilt in YADE: the multiplier is zero, and no plateau has two states."""
     scene, analysis = case_of("arch_spreading")
     run = perfect_run(analysis, reaction=0.5 * analysis.bounds[Drive.YIELDING].value)
     run = dataclasses.replace(run, poses=Poses(*(part[:1] for part in vars(run.poses).values())))
@@ -125,7 +125,7 @@ def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, 
 
 
 def test_a_mechanism_that_yade_does_not_show_is_not_called_another_one(wall: tuple[Scene, LimitAnalysis]) -> None:
-    """One stored state on the plateau shows no motion, and so no number to compare."""
+    """One stored state on the plateau shows no motion, so there is no similarity to compare."""
     _scene, analysis = wall
     assert analysis.coulomb is not None
     run = coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
@@ -145,10 +145,10 @@ def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, Limi
 
 
 def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple[Scene, LimitAnalysis]) -> None:
-    """The state that carries the most by friction is in equilibrium and within its cones, but its joints do not slide down."""
+    """The state of the greatest reaction is in equilibrium and within the friction cones, but its joints do not slide down."""
     _scene, analysis = wall
     assert analysis.coulomb is not None
-    for factor, verdict in ((1.05, Verdict.INCONCLUSIVE), (1.0, Verdict.AGREE)):  # a remark where the reactions agree
+    for factor, verdict in ((1.05, Verdict.INCONCLUSIVE), (1.0, Verdict.AGREE)):  # only a remark where the reactions agree
         run = coulomb_run(analysis, reaction=factor * analysis.coulomb.value)
         run.poses.forces[:] = analysis.bounds[Drive.PUSHING].forces
         check = next(c for c in check_run(Results(analysis, run)) if c.name == "YADE's friction state")
@@ -180,7 +180,7 @@ def test_a_prediction_in_doubt_may_confirm_but_not_contradict_and_a_broad_one_do
 
 
 def test_several_plateaus_that_make_a_prediction_uncertain_are_named(wall: tuple[Scene, LimitAnalysis]) -> None:
-    """Their distance is the uncertainty. A second attempt with finer paths may find the same ones: then they are what one works with."""
+    """The distance of the plateaus is the uncertainty. Where finer paths find them again, the user takes the least favourable one."""
     _scene, analysis = wall
     assert analysis.coulomb is not None
     least = 0.9 * analysis.coulomb.value
@@ -207,8 +207,8 @@ def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene,
 
 
 def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
-    """A pad lifts a block out of a slot: joints that dilate would lock. Only the greatest reaction bounds what YADE may give."""
-    lift = (0.3, 0.0, 1.0)  # it presses the block against a side, too
+    """A pad lifts a block out of a slot, in which dilatant joints lock. YADE's reaction has only an upper bound, the greatest reaction."""
+    lift = (0.3, 0.0, 1.0)  # also presses the block against a side of the slot
     analysis = analyse(scenes.build(*lifted_pad(), friction=0.4, inset=0.001, settlement=lift, model="auto"))
     assert analysis.is_without_bound and analysis.coulomb is not None
     found = check_run(Results(analysis, coulomb_run(analysis)))
@@ -225,15 +225,15 @@ def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
 
 
 def test_a_block_lifted_straight_out_of_a_slot_has_no_sharp_prediction_for_want_of_a_bound() -> None:
-    """Nothing dissipates, so only the missing bound tells that the value for sharp edges is not the associated one."""
+    """No joint dissipates energy, so only the missing bound shows that the value for sharp edges is not the associated one."""
     analysis = analyse(scenes.build(*lifted_pad(), friction=0.4, inset=0.001, settlement=(0.0, 0.0, 1.0), model="auto"))
     assert analysis.is_without_bound and analysis.sharp.coulomb is None
     started = accuracy_settings.initial_settings(dataclasses.replace(analysis, accuracy=AccuracyRecord(0.01)))
-    assert started.accuracy is not None and started.accuracy.settings  # YADE runs at the requested accuracy all the same
+    assert started.accuracy is not None and started.accuracy.settings  # YADE still runs at the requested accuracy
 
 
 def test_without_a_bound_the_mechanism_is_not_determined_although_nothing_slides() -> None:
-    """In YADE the block also drifts to one side, into the wall: no bound exists that would say whether that mechanism does its work."""
+    """In YADE the block also drifts into a wall of the slot. Without a bound, the work of this mechanism cannot be compared."""
     analysis = analyse(scenes.build(*lifted_pad(), friction=0.4, inset=0.001, settlement=(0.0, 0.0, 1.0), model="auto"))
     run = coulomb_run(analysis)
     run.poses.displacement[:, analysis.assembly.blocks.free, 0] += run.poses.settlement[:, None]
@@ -243,7 +243,7 @@ def test_without_a_bound_the_mechanism_is_not_determined_although_nothing_slides
 
 
 def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:
-    """Two columns pushed and lifted: the associated multiplier is 0.56, that of friction without dilatancy is 0.35, as in YADE."""
+    """Two columns are pushed and lifted. The associated multiplier is 0.56; without dilatancy it is 0.35, as in YADE."""
     columns = scenes.box("left", (0.0, 0.0, 0.0), (1.0, 1.0, 3.0)), scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 2.5))
     ground, load = scenes.box("ground", (-1.0, 0.0, -0.2), (4.0, 1.0, 0.0), "fixed"), (1.0, 0.0, 0.5)
     scene = scenes.build(ground, *columns, friction=0.9, inset=0.001, settlement=None, live=load, model="coulomb")
@@ -263,4 +263,4 @@ def test_a_thrust_is_advised_only_where_a_support_can_give_it(live: tuple[float,
     fallen = without_answer(analysis.assembly, Status.FAILED)
     (check,) = check_answer(with_answers(analysis, coulomb=dataclasses.replace(fallen, uncertainty=np.inf)))
     assert "slide and fall" in check.reason and advice in check.next_step
-    assert live is None or "work with the bound, if there is one" in check.next_step  # blocks that lock as they dilate have none
+    assert live is None or "work with the bound, if there is one" in check.next_step  # blocks that lock by dilation have no bound

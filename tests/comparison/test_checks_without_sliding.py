@@ -1,4 +1,4 @@
-"""Where no joint slides, a run that is right agrees in everything, and one that is wrong in one respect fails there."""
+"""Where no joint slides, a correct run agrees in every check. A run with one fault fails the check of this fault."""
 
 import dataclasses
 import math
@@ -67,7 +67,7 @@ def test_an_earlier_level_at_the_prediction_is_not_put_down_to_friction(arch: tu
 
 @pytest.mark.parametrize("message", ["steady", "steady; the reaction leaves it before 1 m"])
 def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis], message: str) -> None:
-    """A bound holds for every state in balance, also for one that YADE leaves."""
+    """A bound holds for every state of equilibrium, also for a plateau that YADE leaves."""
     _scene, analysis = arch
     run = perfect_run(analysis, reaction=0.9 * analysis.bounds[Drive.YIELDING].value, message=message)
     assert verdict_of("reaction within bounds", check_run(Results(analysis, run))) is Verdict.DISAGREE
@@ -94,7 +94,7 @@ def test_a_settlement_that_was_not_delivered_disagrees(arch: tuple[Scene, LimitA
 
 
 def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tuple[Scene, LimitAnalysis]) -> None:
-    """A matter of finite displacements: small ones keep to the list."""
+    """Only a model with finite displacements has this check: small displacements keep the given list of contacts."""
     scene, small = arch
     effects = dataclasses.replace(small.assembly.effects, displacement="finite")
     analysis = small.with_effects(effects)
@@ -107,7 +107,7 @@ def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tup
 
 
 def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
-    """Its whole weight on the fixed pad is out of balance by a tenth of a metre, which is little against its own 100 m."""
+    """The fixed pad carries the whole weight 0.1 m beside the centroid. This lever arm is small beside the block's height of 100 m."""
     scene = scenes.build(
         scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
         scenes.box("settling pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
@@ -156,9 +156,9 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
 
 @pytest.mark.parametrize(("share", "verdict"), [(0.04, Verdict.AGREE), (0.06, Verdict.DISAGREE)])
 def test_a_twentieth_of_the_mass_may_move_in_one_method_only(share: float, verdict: Verdict) -> None:
-    """A light block on held ground rises in YADE as fast as a heavy one beside it sinks with its support.
+    """A light block on fixed ground rises in YADE as fast as a heavy block beside it sinks with its support.
 
-    Their mechanisms are alike by M^2 / (M (M + m)), which is the share of the heavy one.
+    The similarity of both mechanisms is M^2 / (M (M + m)), the share of the heavy block in the mass.
     """
     light, gap = share / (1.0 - share), 0.5
     boxes = [
@@ -176,7 +176,7 @@ def test_a_twentieth_of_the_mass_may_move_in_one_method_only(share: float, verdi
     alike = next(check for check in found if check.name == "mechanism similarity")
     assert alike.verdict is verdict
     assert (alike.limit_analysis, alike.yade, alike.difference, alike.tolerance) == pytest.approx((1.0, 1.0 - share, -share, 0.05))
-    for check in (moving, alike):  # only what fails has a reason and a next step
+    for check in (moving, alike):  # only a failed check has a reason and a next step
         assert bool(check.reason) is bool(check.next_step) is (verdict is Verdict.DISAGREE)
 
 
@@ -190,7 +190,7 @@ def test_an_admissible_mechanism_that_does_other_work_disagrees() -> None:
 
 
 def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
-    """The assembly with its first free block a little heavier, which singles out one of several mechanisms."""
+    """Return the assembly with a slightly heavier first free block: this makes one of several mechanisms the only one."""
     load = analysis.assembly.dead_load.copy()
     load[np.flatnonzero(analysis.assembly.blocks.free)[0]] *= 1.001
     return dataclasses.replace(analysis.assembly, dead_load=load)
@@ -202,7 +202,7 @@ def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
 def test_a_transverse_force_outside_its_range_disagrees_except_where_yade_passes_by(
     arch: tuple[Scene, LimitAnalysis], message: str, verdict: Verdict
 ) -> None:
-    """Blocks that slid without friction were in motion on a plateau that they left, and pushed the support aside."""
+    """Frictionless blocks that leave a plateau are in motion on it and push the support aside."""
     scene, analysis = arch
     run = perfect_run(analysis, message=message)
     support = int(np.flatnonzero(scene.blocks.role == 2)[0])
@@ -215,7 +215,7 @@ def test_a_transverse_force_outside_its_range_disagrees_except_where_yade_passes
 
 
 def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene, LimitAnalysis]) -> None:
-    """Taking an inaccurate upper bound for none would let any great reaction pass."""
+    """If an inaccurate upper bound counted as no bound, the check would accept every great reaction."""
     _scene, analysis = arch
     for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
         greatest = dataclasses.replace(analysis.bounds[Drive.PUSHING], status=status)
@@ -246,11 +246,11 @@ def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalys
 def test_shares_of_moving_mass_that_differ_although_the_check_passes_say_why(
     arch: tuple[Scene, LimitAnalysis], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A reader saw 0.591 and 0.525 with a difference of 0."""
+    """Without this reason a reader saw the shares 0.591 and 0.525 with a difference of 0."""
     run = perfect_run(arch[1])
     run.poses.displacement[:] = 0.0
     run.poses.displacement[:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
-    monkeypatch.setattr(mechanisms, "_mass_in_one_only", lambda *_: 0.0)  # as if all speeds lay beside the threshold
+    monkeypatch.setattr(mechanisms, "_mass_in_one_only", lambda *_: 0.0)  # as if all speeds were close to the threshold of motion
     check = next(check for check in check_run(Results(arch[1], run)) if check.name == "moving blocks")
     assert check.verdict is Verdict.AGREE and check.difference == 0.0
     assert check.reason == mechanisms.NEARLY_AT_REST and "from 5 % of the fastest speed on" in check.reason

@@ -1,4 +1,4 @@
-"""Words of a verdict: one method alone agrees with nobody, what cannot stand says so, and what is open says what to do next."""
+"""The words of a verdict: one method alone is no agreement, a structure that cannot stand is named, and open results have a next step."""
 
 import dataclasses
 import math
@@ -26,7 +26,7 @@ from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 
-NEWTON = Units(1.0)  # of a report on light structures
+NEWTON = Units(1.0)  # units of a report on light structures
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_one_method_alone_meets_the_expected_value_and_agrees_with_nobody(pads: 
 
 
 def test_one_method_alone_that_misses_the_expected_value_disagrees_with_nobody(pads: LimitAnalysis, tmp_path: Path) -> None:
-    """The verdict is that of the scene's value alone; with YADE, which confirms or not, it is a disagreement."""
+    """Without YADE the verdict "unexpected" concerns the scene's value alone. With a result of YADE the verdict is a disagreement."""
     missed = [Check("expected reaction", Verdict.UNEXPECTED, reason="Another value was expected.", next_step="Look at its source.")]
     summary = summary_of(Results(pads), None, missed)
     assert (summary["verdict"], summary["reason"]) == ("unexpected", "Another value was expected.")
@@ -64,7 +64,7 @@ def test_one_method_alone_that_misses_the_expected_value_disagrees_with_nobody(p
 
 
 def test_an_expected_value_that_is_missed_counts_with_yade_and_without_it(pads: LimitAnalysis) -> None:
-    """YADE that agrees does not make up for it; where YADE has no result, no second method disagrees."""
+    """Agreement with YADE does not make up for a missed value. Without a result of YADE the verdict is "unexpected"."""
     missed = Check("expected reaction", Verdict.UNEXPECTED, reason="Another value was expected.", next_step="Look at its source.")
     good, bad = Check("reaction", Verdict.AGREE), Check("reaction", Verdict.DISAGREE, reason="YADE says more.")
     found = conclusion([missed, good], {"status": "plateau"})
@@ -123,7 +123,7 @@ PIER_AND_PAD = (
 
 
 def test_blocks_that_meet_the_rest_in_edges_only_fall_for_want_of_a_joint() -> None:
-    """Two blocks, one upon the other, whose lower one meets the pier in an edge: each block has a joint, so nothing is refused."""
+    """The lower of two stacked blocks meets the pier in an edge only. Each block has a joint, so the scene is not refused."""
     lower, upper = scenes.box("lower", (1.0, 0.0, 0.0), (1.5, 1.0, 0.5)), scenes.box("upper", (1.0, 0.0, 0.5), (1.5, 1.0, 1.0))
     found = conclusion_of(analyse(scenes.build(*PIER_AND_PAD, lower, upper)), [], None)
     assert found.verdict is Verdict.CANNOT_STAND
@@ -138,7 +138,7 @@ def test_what_falls_although_joints_connect_it_has_no_such_cause() -> None:
 
 @pytest.mark.parametrize("load", [(), (scenes.table("[load]", blocks=["arch 4"], force=(0.0, 0.0, -100.0)),)])
 def test_an_arch_that_slips_out_of_its_joints_is_told_to_look_at_their_friction(load: tuple[str, ...]) -> None:
-    """No gap and no missing support: with ten times the friction it stands."""
+    """The arch has no gap and no missing support: it stands with ten times the friction."""
     slippery, rough = (analyse(scenes.build(scenes.arch(7, 0.3), *load, friction=friction)) for friction in (0.06, 0.6))
     assert conclusion_of(rough, [], None).verdict is not Verdict.CANNOT_STAND
     found = conclusion_of(slippery, [], None)
@@ -146,7 +146,7 @@ def test_an_arch_that_slips_out_of_its_joints_is_told_to_look_at_their_friction(
 
 
 def test_an_arch_in_which_no_line_of_thrust_fits_is_told_that_it_may_be_too_thin() -> None:
-    """Friction and supports are right: an arch of 0.3 m stands on the same ones."""
+    """Friction and supports are sufficient: an arch 0.3 m thick stands with them."""
     thin, thick = (analyse(scenes.build(scenes.arch(13, thickness), friction=1.0)) for thickness in (0.1, 0.3))
     assert conclusion_of(thick, [], None).verdict is not Verdict.CANNOT_STAND
     found = conclusion_of(thin, [], None)
@@ -155,7 +155,7 @@ def test_an_arch_in_which_no_line_of_thrust_fits_is_told_that_it_may_be_too_thin
 
 @pytest.mark.parametrize(("shift", "verdict"), [(0.1999, Verdict.CANNOT_STAND), (0.205, Verdict.CANNOT_STAND), (0.21, Verdict.DISAGREE)])
 def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float, verdict: Verdict) -> None:
-    """A corbel of five stones falls where each is shifted by more than 1/5 of its length less two insets, 0.1996 m."""
+    """A corbel of five stones falls if each stone is shifted by more than 1/5 of its length less two insets, 0.1996 m."""
     stones = [scenes.box(f"stone {k}", (k * shift, 0.0, 0.3 * k), (1.0 + k * shift, 1.0, 0.3 * k + 0.3)) for k in range(5)]
     analysis = analyse(scenes.build(scenes.box("pad", (0.0, 0.0, -0.5), (1.0, 1.0, 0.0), "support"), *stones, inset=1e-3))
     stood = perfect_run(analysis, reaction=analysis.assembly.weight)
@@ -166,7 +166,7 @@ def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float,
 
 
 def test_how_fast_a_structure_falls_is_not_asked_where_it_fell_in_yade_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The answer is a programme on the whole structure, and changes nothing there."""
+    """The speed needs an optimisation of the whole structure and would not change this verdict."""
     analysis = analyse(scenes.build(*PIER_AND_PAD, scenes.box("beam", (0.6, 0.0, 0.0), (1.8, 1.0, 0.2))))
     asked: list[Any] = []
     monkeypatch.setattr(run_checks, "falls_slowly", asked.append)
@@ -189,7 +189,7 @@ def wall() -> LimitAnalysis:
 
 
 def open_checks(pads: LimitAnalysis, wall: LimitAnalysis) -> list[list[Check]]:
-    """Checks of results that end without agreement, one list each."""
+    """Return the checks of several results that do not agree, one list for each result."""
     assert wall.coulomb is not None
     value, moving = wall.coulomb.value, perfect_run(pads)
     moving.poses.forces[:, 0] += pads.assembly.mean_weight
@@ -327,7 +327,7 @@ def test_blocks_that_stood_at_rest_and_fell_while_the_support_moved_need_no_thru
 
 @pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp edges the multiplier is 0.004"), (0.6, "own step")])
 def test_where_no_load_is_borne_the_next_step_says_so(edge: float, words: str) -> None:
-    """A block whose weight acts on the edge of what carries it, at the inset; on a longer base it bears a load."""
+    """At the inset the weight acts on the edge of the joint, so the block bears no load. On a longer base it bears one."""
     base = scenes.box("base", (-1.0, 0.0, -0.2), (edge, 0.2, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
     analysis = analyse(scenes.build(base, block, inset=1e-3, live=(1.0, 0.0, 0.0)))

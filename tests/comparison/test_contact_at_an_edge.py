@@ -1,4 +1,4 @@
-"""Contact at an edge is no joint: the proof of a fall is one for the joints of the model, and the next step says so."""
+"""A contact at an edge is no joint. The proof of a fall holds for the joints of the model only, and the next step says so."""
 
 import pytest
 import scenes
@@ -10,7 +10,7 @@ from la_core.analysis.stage import analyse
 
 @pytest.mark.parametrize(("blunt", "stands"), [(0.0, False), (0.002, True)])
 def test_a_plank_that_leans_by_its_edge_has_no_joint_there_and_stands_with_a_narrow_face(blunt: float, stands: bool) -> None:
-    """By hand, sharp: moments about the foot's right edge need 0.13 W at the wall's top, less than friction at the foot can bear."""
+    """By hand, with sharp edges: moments about the foot's right edge need 0.13 W at the plank's top. Friction at the foot can bear this."""
     narrow = [[1.0, 1.5 - blunt]] if blunt else []
     profile = [[0.2, 0.0], [0.4, 0.0], *narrow, [1.0, 1.5], [0.8, 1.5]]
     held = (

@@ -1,4 +1,4 @@
-"""The ladder of accuracy against time: what its rungs come to, what they are held against, and what the user gets."""
+"""The ladder of accuracy against time: the values of its rungs, the references of their errors, and the output for the user."""
 
 import json
 import math
@@ -32,12 +32,12 @@ from la_core.scene import variant
 pytestmark = pytest.mark.slow
 
 REDUNDANT = 1e-6  # of the reaction: solver tolerance
-ROUNDING = 0.05  # of an error: what YADE adds to that of rounded edges
+ROUNDING = 0.05  # of an error: part that YADE adds to the error of rounded edges
 
 
 @pytest.fixture(autouse=True)
 def once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Values do not depend on how often a rung is timed."""
+    """Time every rung once: its value does not depend on the number of repeats."""
     monkeypatch.setattr(cost, "REPEATS", 1)
 
 
@@ -72,7 +72,7 @@ def test_an_answer_is_as_good_as_it_was_asked_to_be() -> None:
 
 @pytest.mark.slow
 def test_facets_bracket_the_cone_and_close_on_it() -> None:
-    """The width of the bracket falls as one over the square of the facets."""
+    """The width of the bracket falls as one over the square of the number of facets."""
     ladder = chosen("corner_settling_end", "linearised")
     reference, _ = ladder.references[ASSOCIATED]
     for word, sign in (("inscribed", 1.0), ("circumscribed", -1.0)):
@@ -91,7 +91,7 @@ def test_errors_are_held_against_the_exact_value_where_there_is_one() -> None:
     )
     assert (errors(exact, "Coulomb") <= 1e-4).all()
     sizes, found = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1], errors(exact, "inset")
-    assert found / found[0] == pytest.approx(np.array(sizes) / sizes[0], rel=ROUNDING)  # a lever arm loses what is drawn in
+    assert found / found[0] == pytest.approx(np.array(sizes) / sizes[0], rel=ROUNDING)  # the inset shortens a lever arm
 
 
 def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
@@ -110,7 +110,7 @@ def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
 
 
 def test_rungs_that_may_run_side_by_side_and_keep_their_order() -> None:
-    """Two rungs that wait for each other only end where both run at once."""
+    """Two rungs that wait for each other end only if both run at the same time."""
     both = threading.Barrier(2)
     order: list[str] = []
 
@@ -163,13 +163,13 @@ def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() ->
     (value,) = cost.cost_table(study, PREDICTION).columns[3].cells
     assert value == "0.168 ± 0.003"
     figure.canvas.draw()
-    assert not any(axes.get_legend().get_window_extent().overlaps(axes.get_window_extent()) for axes in figure.axes)  # it hides no mark
+    assert not any(axes.get_legend().get_window_extent().overlaps(axes.get_window_extent()) for axes in figure.axes)  # no mark is hidden
 
 
 @pytest.mark.yade
 @pytest.mark.parametrize("effects", [{}, {"rotation": "finite"}])
 def test_yade_climbs_with_the_settings_of_a_run(effects: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Some settings follow from the path of limit analysis, and finite rotations need it."""
+    """A rung has every setting of a run, also those that follow from the path of limit analysis, as with finite rotations."""
 
     def ended(*_: object) -> None:
         raise InterruptedError
@@ -187,7 +187,7 @@ def test_yade_climbs_with_the_settings_of_a_run(effects: dict[str, str], tmp_pat
 @pytest.mark.yade
 @pytest.mark.slow
 def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
-    """Rounded edges cost what limit analysis says they do, and YADE no more."""
+    """The errors of YADE are those of rounded edges in limit analysis: YADE adds nothing."""
     scene = scenes.shipped("two_pads")
     wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
     methods = [m for m in yade_methods(scene, installation.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
@@ -237,7 +237,7 @@ def test_a_folder_that_cannot_be_written_is_told_before_the_measurement(
 
 
 def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A support beside a block that stands without it: what round-off leaves of its reaction is no measure."""
+    """The block stands without the support. A reaction of round-off is no reference for errors."""
     toml = scenes.text(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (0.8, 1.0, 0.3)), inset=0.001)
     (tmp_path / "idle.toml").write_text(toml)
     assert main(["cost", str(tmp_path / "idle.toml"), "--no-yade", "-o", str(tmp_path), "--json"]) == 0

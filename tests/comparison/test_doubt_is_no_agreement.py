@@ -1,4 +1,4 @@
-"""Doubt that a method states never grows into an agreement."""
+"""The uncertainty that a method states never turns a difference into an agreement."""
 
 import math
 from dataclasses import replace
@@ -26,7 +26,7 @@ def wall() -> LimitAnalysis:
 
 
 def stating(analysis: LimitAnalysis, share: float) -> LimitAnalysis:
-    """The analysis with a prediction that states this uncertainty, as a share of its value."""
+    """Return the analysis with this uncertainty of the prediction, as a share of its value."""
     value = coulomb_of(analysis).value
     return with_answers(analysis, coulomb=coulomb_of(analysis, uncertainty=share * value))
 
@@ -44,7 +44,7 @@ def test_doubt_of_limit_analysis_is_no_agreement_and_names_limit_analysis_and_wh
     ("uncertainty", "reason", "step"), [(math.inf, "the blocks slide and fall", "bounds"), (math.nan, "", "finer paths")]
 )
 def test_a_prediction_without_a_value_says_why(wall: LimitAnalysis, uncertainty: float, reason: str, step: str) -> None:
-    """infinite: blocks fell on the way of limit analysis"""
+    """An infinite uncertainty means that blocks fell on the path of limit analysis."""
     failed = with_answers(wall, coulomb=coulomb_of(wall, status=Status.FAILED, uncertainty=uncertainty))
     check = named(REACTION, judged(failed, perfect_run(wall)))
     assert check.verdict is Verdict.INCONCLUSIVE and "dilate" in check.reason
@@ -69,7 +69,10 @@ def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: fl
 @pytest.mark.parametrize(("share", "verdict"), [(0.049, Verdict.AGREE), (0.051, Verdict.INCONCLUSIVE), (0.22, Verdict.INCONCLUSIVE)])
 @pytest.mark.parametrize("method", ["limit analysis", "YADE"])
 def test_a_value_that_is_hardly_known_agrees_with_nothing(wall: LimitAnalysis, method: str, share: float, verdict: Verdict) -> None:
-    """A facade had "YADE 0.15 ± 0.03" and "agree": YADE's two attempts were 9 % apart, and the second met the prediction."""
+    """A value with more than 5 % uncertainty agrees with nothing.
+
+    A facade had "YADE 0.15 ± 0.03" and "agree": YADE's two attempts were 9 % apart, and the second met the prediction.
+    """
     value = coulomb_of(wall).value
     is_yade = method == "YADE"
     analysis, run = (wall, share * value) if is_yade else (stating(wall, share), 0.0)
@@ -81,7 +84,7 @@ def test_a_value_that_is_hardly_known_agrees_with_nothing(wall: LimitAnalysis, m
 @pytest.mark.parametrize(
     ("asked", "off", "verdict"),
     [
-        (0.001, 0.9 * FLOOR, Verdict.AGREE),  # the floor does not shrink with it
+        (0.001, 0.9 * FLOOR, Verdict.AGREE),  # the floor does not shrink with the requested accuracy
         (0.001, 1.1 * FLOOR, Verdict.DISAGREE),
         (0.01, 0.019, Verdict.AGREE),
         (0.01, 0.021, Verdict.DISAGREE),
@@ -120,7 +123,7 @@ def test_the_floor_is_what_the_travel_changes_in_a_lever_arm_of_half_a_block() -
 def test_contacts_may_be_missed_where_a_block_moves_by_more_than_half_the_least_gap(
     wall: LimitAnalysis, gaps: float, verdict: Verdict
 ) -> None:
-    """Two blocks may come towards each other. gaps: the least gap over the largest displacement."""
+    """Two blocks may approach each other, each by the largest displacement. gaps: the least gap over the largest displacement."""
     run = coulomb_run(wall)
     small = wall.with_effects(wall.assembly.effects.with_effect("displacement", "small", "nothing is near"))
     largest = float(largest_displacements(wall.assembly.blocks, run).max())

@@ -18,7 +18,7 @@ from la_core.geometry import Blocks, box, prism
 from la_core.model.assembly import assemble
 from la_core.scene.shipped import starter_text
 
-LINEAR = 1.1  # of the growth of the wall
+LINEAR = 1.1  # largest growth of the looks at faces, over the growth of the wall
 
 
 def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
@@ -63,7 +63,7 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 
 
 def plainly_behind(parts: Blocks, toward: np.ndarray, points: np.ndarray, least: float) -> np.ndarray:
-    """Mask of the points behind more than `least` of a part: the line to the viewer is cut by all faces of all parts."""
+    """Return a mask of the points behind more than `least`, m, of a part; all faces of all parts cut the line to the viewer."""
     along = parts.face_normal @ toward
     hidden = np.zeros(len(points), dtype=bool)
     for k, point in enumerate(points):
@@ -105,7 +105,7 @@ def test_points_of_a_wall_four_times_as_long_take_four_times_the_looks_at_faces(
 @pytest.mark.parametrize("name", ["corner_settling_end", "vault_spreading", "dome_sector", "rubble_wall"])
 @pytest.mark.parametrize("toward", [(0.3, -0.8, 0.5), (-0.7, -0.5, 0.5)])
 def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them(name: str, toward: tuple[float, float, float]) -> None:
-    """Here all blocks are set aside: the model has no interfaces, and the order comes from faces. Boxes of voussoirs lap over."""
+    """All blocks are set aside. Without interfaces the faces decide the order, because the bounding boxes of voussoirs overlap."""
     whole = assemble(shipped(name))
     none = whole.interfaces.subset(np.zeros(len(whole.interfaces), dtype=bool))
     order = back_to_front(replace(whole, aside=np.ones(len(whole.blocks), dtype=bool), interfaces=none), np.array(toward))
@@ -116,7 +116,7 @@ def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them(name: st
 
 
 def test_a_block_in_the_notch_of_one_that_was_set_aside_is_drawn_before_it() -> None:
-    """The upright of the L is so high that its centroid is the nearer one; no face of a whole block parts the two."""
+    """The L is so high that its centroid is nearer than the other block's. No face of a whole block separates the two."""
     angle = prism([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 9.0), (0.0, 9.0)], (0.0, 1.0))
     inner, toward = box((1.0, 0.0, 1.0), (2.0, 1.0, 2.0)), np.array([0.3, -0.8, 0.5])
     for shapes, order in (((angle, inner), [0, 1]), ((inner, angle), [1, 0])):
@@ -141,7 +141,7 @@ def test_a_support_that_walls_hide_is_drawn_by_dashed_edges() -> None:
 
 @pytest.mark.parametrize("chords", [19, 22])
 def test_a_stone_beside_a_round_opening_shows_no_edges_of_its_parts(chords: int, tmp_path: Path) -> None:
-    """Corners of its convex parts lie on the edges of others; round-off must not open slits there."""
+    """Corners of some convex parts lie on edges of other parts. Round-off must not open slits there."""
     angles = np.linspace(np.pi, np.pi / 2.0, chords + 1)
     arc = np.stack([2.0 + np.cos(angles), 2.5 + np.sin(angles)], axis=1).tolist()
     stone = f'[[block]]\nname = "stone"\nprism = {{ profile = {[[0.0, 4.0], [0.0, 2.5], *arc, [2.0, 4.0]]}, y = [0.0, 0.4] }}\n'

@@ -1,4 +1,4 @@
-"""Exported files as VTK's own reader sees them: the geometry, the mechanisms, and forces that carry the weight."""
+"""VTK's own reader finds the geometry, the mechanisms, and forces that carry the weight in the exported files."""
 
 import json
 import re
@@ -32,7 +32,7 @@ SMALL = 1e-9  # a motion whose square is below round-off of the blocks' size
 
 
 def read(path: Path) -> tuple[Any, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Grid, point data and cell data of a .vtu."""
+    """Return the grid, the point data and the cell data of a .vtu file."""
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(str(path))
     reader.Update()
@@ -44,7 +44,7 @@ def read(path: Path) -> tuple[Any, dict[str, np.ndarray], dict[str, np.ndarray]]
 
 
 def values_of(array: Any) -> Any:
-    """Numbers of an array of VTK, or the list of its texts."""
+    """Return the numbers of a VTK array, or a list of its texts."""
     if array.IsA("vtkStringArray"):
         return [array.GetValue(k) for k in range(array.GetNumberOfValues())]
     return vtk_to_numpy(array)
@@ -55,7 +55,7 @@ def points(grid: Any) -> np.ndarray:
 
 
 def volume(grid: Any) -> float:
-    """By the divergence theorem over the faces, each a fan from its first corner."""
+    """Return the volume by the divergence theorem; each face is a fan of triangles from its first corner."""
     total, place = 0.0, points(grid)
     for k in range(grid.GetNumberOfCells()):
         ids = grid.GetCell(k).GetPointIds()
@@ -96,7 +96,7 @@ def test_blocks_come_back_as_they_were(trilith: tuple[LimitAnalysis, Path]) -> N
 
 @pytest.mark.parametrize("method", ["associated", "coulomb"])
 def test_forces_hold_every_free_block(method: str, trilith: tuple[LimitAnalysis, Path]) -> None:
-    """Sum of forces and of moments about the origin, block by block, from nothing but the files."""
+    """The exported forces and their moments about the origin balance the weight of each free block."""
     analysis, folder = trilith
     grid, vectors, _ = read(folder / "forces.vtu")
     role = analysis.assembly.blocks.role
@@ -143,7 +143,7 @@ def leaning() -> tuple[str, str]:
 
 
 def turning_run(analysis: LimitAnalysis, angles: list[float]) -> Run:
-    """A record in which every block turns about the vertical through its own centroid, with forces that name their state."""
+    """Return a run whose blocks turn about the vertical axes through their centroids; each force component, N, is the state's number."""
     count, contacts = len(analysis.assembly.blocks), len(analysis.assembly.points)
     rotation = np.zeros((len(angles), count, 3))
     rotation[:, :, 2] = np.array(angles)[:, None]
@@ -180,7 +180,7 @@ def test_a_shorter_series_leaves_nothing_of_a_longer_one(tmp_path: Path) -> None
 
 
 def test_an_export_without_yade_leaves_nothing_of_an_earlier_run(tmp_path: Path) -> None:
-    """It may have been of another structure; files of the user's stay."""
+    """The earlier run may be of another structure. The user's own files stay."""
     analysis = analyse(scenes.shipped("two_pads"))
     export_results(Results(analysis, turning_run(analysis, [0.0, 0.1])), tmp_path)
     for name in ("yade-notes.vtu", "yade-notes-0001.vtu"):

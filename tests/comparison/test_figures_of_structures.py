@@ -1,4 +1,4 @@
-"""Figures of every kind of scene are drawn, the same twice, and show its motion and forces to scale."""
+"""Every kind of scene has figures. They are the same each time, and show motions and forces to scale."""
 
 import re
 from pathlib import Path
@@ -27,8 +27,8 @@ FRAME = 4  # pixels, more than the width of an axes' frame
 
 
 def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
-    """Whether the picture is of more than one colour within the axes' own frame."""
-    figure.draw_without_rendering()  # which leaves the axes where the picture has them
+    """Return whether the picture has more than one colour inside the frame of the axes."""
+    figure.draw_without_rendering()  # puts the axes at their places in the picture
     pixels = imread(path)
     height, width = pixels.shape[:2]
     frame = axes.get_position().bounds
@@ -141,14 +141,14 @@ def test_forces_are_seen_through_the_stones_of_a_pavement_that_hides_all_its_joi
 def test_forces_are_seen_through_the_stones_of_a_building_that_hides_most_of_its_joints() -> None:
     assembly = assemble(shipped("corner_settling_end"))
     x = assembly.points.position[:, 0]
-    forces = np.where(x > x.max() - 0.01, 100.0, 5.0)[:, None] * assembly.normal  # the joints at one end bear in its face, in sight
+    forces = np.where(x > x.max() - 0.01, 100.0, 5.0)[:, None] * assembly.normal  # the largest forces are in sight, on the face of one end
     (axes,) = forces_figure(assembly, {"one": forces}).axes
     drawn = [shapes for shapes in axes.collections if isinstance(shapes, LineCollection)]
     assert max(len(shapes.get_segments()) for shapes in drawn) == len(assembly.interfaces)
 
 
 def test_arrows_of_many_falling_blocks_lie_evenly_among_them() -> None:
-    """The first 25 had them: of two arches that fell, the crowns had none."""
+    """When only the first 25 blocks had arrows, the crowns of two falling arches had none."""
     assembly = assemble(shipped("wall_third"))
     blocks = assembly.blocks
     free = np.flatnonzero(blocks.free)
@@ -169,7 +169,7 @@ def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path
 
 @pytest.mark.parametrize(("beside", "found"), [(0, 4), (1, 4), (2, 0)])
 def test_the_thrust_follows_a_line_where_two_thirds_of_the_blocks_have_two_joints(beside: int, found: int) -> None:
-    """A tower of five, of which four are passed through; the top one and blocks beside the tower are not."""
+    """Four of the five blocks of a tower have two joints. The top block and the blocks beside the tower have one."""
     tower = [box(f"tower {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(5)]
     others = [box(f"other {k}", (2.0 * k + 2.0, 0.0, 0.0), (2.0 * k + 3.0, 1.0, 1.0)) for k in range(beside)]
     scene = build(box("ground", (0.0, 0.0, -1.0), (9.0, 1.0, 0.0), "support"), *tower, *others)
@@ -184,7 +184,7 @@ def test_friction_that_dissipates_nothing_has_no_figure(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["wall_third", "corner_settling_end"])
 def test_the_legend_of_a_mechanism_names_marks_of_joints_where_they_are_drawn(name: str) -> None:
-    """In a large structure in space blocks hide the middle of every joint."""
+    """In the large structure in space, blocks hide the middle of every joint, so no joint has a mark."""
     assembly = assemble(shipped(name))
     motion = np.where(assembly.blocks.free[:, None], [0.0, 0.0, -1.0, 0.0, 0.0, 0.0], 0.0)
     states = np.full(len(assembly.interfaces), ContactState.SLIDING)

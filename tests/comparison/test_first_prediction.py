@@ -1,6 +1,6 @@
-"""What limit analysis said before YADE ran stands: a run that contradicts it changes no byte, and a restored effect keeps the first answer.
+"""A run of YADE never changes the first answer of limit analysis: no byte differs after a contradiction or after a restored effect.
 
-YADE is made up here: runs that contradict limit analysis wildly, slide where it excludes sliding, or move blocks too far.
+The runs of YADE are made up: they contradict limit analysis wildly, slide where it excludes sliding, or move blocks too far.
 """
 
 import dataclasses
@@ -43,7 +43,7 @@ Make = Callable[[LimitAnalysis], Run]
 
 @pytest.fixture
 def made_up_yade(monkeypatch: pytest.MonkeyPatch) -> Callable[[Make], list[bytes]]:
-    """Put a function that makes up runs in YADE's place; the list gets the content of case.h5 at the start of each run."""
+    """Replace YADE by a function that makes up runs. The list receives the content of case.h5 at the start of each run."""
 
     def replace_yade(make: Make) -> list[bytes]:
         found_at_start: list[bytes] = []
@@ -72,7 +72,7 @@ class Listening(Silent):
 
 
 def answers_in(content: bytes) -> dict[str, bytes]:
-    """Every byte of limit analysis' answers in a case.h5, by path."""
+    """Return all bytes of limit analysis' answers in a case.h5, by path."""
     found: dict[str, bytes] = {}
     with h5py.File(io.BytesIO(content)) as file:
         file["limit_analysis"].visititems(
@@ -93,7 +93,7 @@ def wild(analysis: LimitAnalysis) -> Run:
 def test_a_run_that_contradicts_the_prediction_changes_no_byte_of_it(
     name: str, tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]
 ) -> None:
-    """Where joints slide and where none does."""
+    """This holds for structures with and without sliding joints."""
     at_start = made_up_yade(wild)
     summary = run_scene(scenes.shipped(name), tmp_path / name, Silent(), with_yade=True)
     assert summary["verdict"] == "disagree"
@@ -114,7 +114,7 @@ def test_with_and_without_yade_limit_analysis_says_the_same(tmp_path: Path, made
 
 
 def test_slower_runs_for_an_accuracy_change_no_byte_of_the_prediction(tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]) -> None:
-    """Settings of YADE are chosen and stored before and between its runs; the answers beside them stay."""
+    """Settings of YADE are chosen and stored before each of its runs. The answers in the same file do not change."""
 
     def uncertain(analysis: LimitAnalysis) -> Run:
         assert analysis.coulomb is not None and analysis.accuracy is not None
@@ -147,7 +147,7 @@ def test_the_choice_of_settings_hands_the_answers_on_as_they_are() -> None:
 
 
 def sliding(analysis: LimitAnalysis, far: float = 0.0) -> Run:
-    """A run in which the block of "two_pads" slides along the fixed pad, or is carried away by `far`, m."""
+    """Return a run of "two_pads": the block slides along the fixed pad if the model excludes sliding, and moves by a further `far`, m."""
     run = perfect_run(analysis) if analysis.assembly.effects.friction == "none-slides" else coulomb_run(analysis)
     block = analysis.assembly.blocks.names.index("block")
     if analysis.assembly.effects.friction == "none-slides":
@@ -175,13 +175,13 @@ def test_the_first_answer_is_kept_where_friction_was_left_out(tmp_path: Path, ma
     assert first["coulomb"]["reaction"] == coulomb.value and first["coulomb"]["reaction_interval"] == list(coulomb.interval)
     assert associated["reaction"] == before.bounds[before.main].value
     stored = np.frombuffer(answers_in(at_start[0])["coulomb/value"])
-    assert first["coulomb"]["reaction"] == stored.item()  # what stood in the file when YADE began
+    assert first["coulomb"]["reaction"] == stored.item()  # the value in the file at the start of YADE
     start = "Before YADE ran, limit analysis without sliding said 363.30 N; joints slide in YADE, so friction was modelled: "
     assert first["sentence"].startswith(start) and first["sentence"].endswith(" N.")
 
 
 def test_a_note_says_of_restored_friction_that_rotations_are_finite(tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]) -> None:
-    """Without sliding there is nothing to release, so the rotations of the first answer are small."""
+    """Without sliding, rotations release no forces, so the rotations of the first answer are small."""
     runs = made_up_yade(sliding)
     summary = run_scene(la_core.variant(two_pads(), {"effects.rotation": "finite"}), tmp_path / "pads", Silent(), with_yade=True)
     assert len(runs) == 2 and summary["first_prediction"]["restored"] == ["friction"]
@@ -233,12 +233,12 @@ def test_another_scene_in_the_folder_has_no_first_answer(tmp_path: Path, made_up
 
 
 def test_of_two_restorations_the_very_first_answer_is_kept(tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]) -> None:
-    """The first run slides; the second, with friction, moves the block too far for the contacts that it knows."""
+    """The first run slides. The second run, with friction, moves the block too far for its list of contacts."""
     made_up_yade(lambda analysis: sliding(analysis, 0.0 if analysis.assembly.effects.friction == "none-slides" else FAR))
     listener = Listening()
     summary = run_scene(two_pads(), tmp_path / "two_pads", listener, with_yade=True)
     told = [one.partition("left out ")[2].split(":")[0] for one in listener.heard if "repeated with effects" in one]
-    assert told == ["(friction", "(displacement"]  # each time what is new
+    assert told == ["(friction", "(displacement"]  # each time only the new effect
     first = summary["first_prediction"]
     assert first["restored"] == ["friction", "displacement"] and "friction" in first["left_out"]
     assert first["coulomb"]["iterations"] == analyse(two_pads()).coulomb.iterations  # type: ignore[union-attr]

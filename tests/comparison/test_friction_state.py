@@ -1,4 +1,4 @@
-"""The state of friction on a plateau, by hand: a block on level ground is pushed by at most mu times what it presses with."""
+"""The friction state of a plateau, by hand: a block on level ground bears a push of at most mu times its normal force."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -20,14 +20,14 @@ FRICTION = 0.35
 
 @pytest.fixture(scope="module")
 def pushed() -> LimitAnalysis:
-    """A block of two contact points, which slides long before it tips."""
+    """A block on two contact points, which slides under a far smaller push than it tips."""
     ground = scenes.box("ground", (-2.0, 0.0, -0.2), (3.0, 0.15, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4))
     return analyse(scenes.build(ground, block, inset=1e-3, live=(1.0, 0.0, 0.0), friction=FRICTION))
 
 
 def state(analysis: LimitAnalysis, pressed: tuple[float, float], held: float, uncertainty: float = 0.0) -> Check:
-    """The check where both points press by these shares of the weight, and friction holds the block by a share of the weight."""
+    """Return the check for the normal forces of both points and the friction force on the block, as shares of the weight."""
     weight, upward = analysis.assembly.weight, np.sign(analysis.assembly.contact_blocks[1] - analysis.assembly.contact_blocks[0])
     forces = weight * np.array([[-held / 2.0, 0.0, share] for share in pressed]) * upward[:, None]
     bound = {Drive.YIELDING: analysis.bounds[Drive.LIVE]}
@@ -44,9 +44,9 @@ def state(analysis: LimitAnalysis, pressed: tuple[float, float], held: float, un
         ((0.5, 0.5), 0.347, 0.35, 0.00347, Verdict.AGREE),
         ((0.5, 0.5), 0.345, 0.35, 0.00345, Verdict.INCONCLUSIVE),
         ((0.6, 0.6), 0.35, 0.42, 0.0035, Verdict.INCONCLUSIVE),
-        ((1.2, -0.2), 0.42, 0.42, 0.0042, Verdict.AGREE),  # a point that is pulled has no friction
-        ((0.5, 0.5), -0.35, 0.35, 0.0035, Verdict.INCONCLUSIVE),  # pushed by its friction
-        ((0.0, 0.0), 0.5e-4, 0.0, 1e-4, Verdict.AGREE),  # as good as nothing
+        ((1.2, -0.2), 0.42, 0.42, 0.0042, Verdict.AGREE),  # a point in tension has no friction
+        ((0.5, 0.5), -0.35, 0.35, 0.0035, Verdict.INCONCLUSIVE),  # friction pushes the block
+        ((0.0, 0.0), 0.5e-4, 0.0, 1e-4, Verdict.AGREE),  # within the least tolerance
     ],
 )
 def test_a_push_is_compared_with_the_one_that_the_normal_forces_allow(
@@ -60,7 +60,7 @@ def test_a_push_is_compared_with_the_one_that_the_normal_forces_allow(
 
 
 def test_normal_forces_under_which_nothing_is_in_balance_decide_nothing() -> None:
-    """A level part of gravity is held by friction alone, of which a block that does not press has none."""
+    """Friction alone can balance the horizontal part of gravity. A block without normal forces has no friction."""
     ground = scenes.box("ground", (-2.0, 0.0, -0.2), (3.0, 0.15, 0.0), "fixed")
     block = scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4))
     leaning = analyse(scenes.build(ground, block, inset=1e-3, gravity=(1.0, 0.0, -9.81), live=(0.0, 0.0, 1.0), friction=FRICTION))
@@ -75,7 +75,10 @@ WEIGHT = 2000.0  # N
 
 
 def steadiness(reaction: float, amplitude: float, slope: float = 0.0) -> Check:
-    """The check of a plateau from half of the way on, whose rows lie above and below its line in turn, after rows far off it."""
+    """Return the check of a plateau over the second half of the settlement.
+
+    Its rows lie alternately above and below its line. The rows before it lie far from the line.
+    """
     settlement = np.linspace(0.0, 1.0, 41)
     rows = reaction + slope * settlement + amplitude * np.where(np.arange(41) % 2, 1.0, -1.0)
     series = {"settlement": settlement, "reaction": np.where(settlement < 0.5, 5.0 * WEIGHT, rows)}
@@ -98,7 +101,7 @@ def test_scatter_is_a_share_of_the_reaction_but_at_least_of_a_hundredth_of_the_w
     reaction: float, amplitude: float, share: float, slope: float
 ) -> None:
     check = steadiness(reaction, amplitude, slope)
-    assert check.verdict is Verdict.AGREE and check.yade == pytest.approx(share, rel=2e-3)  # 21 rows: their mean is not on the line
+    assert check.verdict is Verdict.AGREE and check.yade == pytest.approx(share, rel=2e-3)  # the mean of 21 rows is not on the line
     assert ("Stick-slip" in check.reason) is (share > 0.005)
 
 

@@ -1,4 +1,4 @@
-"""What a run is held to: each check of a run counts its own number, by hand, and contradicts only where it may."""
+"""Each check of a run computes its number as by hand, and contradicts limit analysis only where it may."""
 
 import dataclasses
 import math
@@ -43,7 +43,7 @@ def pushed() -> LimitAnalysis:
 
 
 def along(analysis: LimitAnalysis, **result: object) -> Run:
-    """A run of both pushed blocks, of which the heavy one moves half as fast, at 1 mm/s of the given displacement."""
+    """Return a run of both pushed blocks at a recorded speed of 1 mm/s. The heavy block moves half as fast as the light one."""
     bound = analysis.bounds[Drive.LIVE]
     twists = np.zeros_like(bound.twists)
     twists[analysis.assembly.blocks.free, 0] = [1.0, 0.5]
@@ -55,7 +55,7 @@ def along(analysis: LimitAnalysis, **result: object) -> Run:
 
 
 def test_the_speed_along_a_load_is_the_mean_by_mass_times_speed(pushed: LimitAnalysis) -> None:
-    """Of masses m and 3 m at 1 and 1/2: (1 + 3/4) / (1 + 3/2)."""
+    """Masses m and 3 m at the speeds 1 and 1/2 give (1 + 3/4) / (1 + 3/2)."""
     check = _check_speed(Results(pushed, along(pushed)))
     assert check.verdict is Verdict.AGREE and check.yade == pytest.approx(1e-3 * 0.7)
 
@@ -77,7 +77,7 @@ def test_a_multiplier_has_an_upper_bound_alone_and_none_where_there_is_none(push
 
 
 def test_the_state_at_the_very_start_of_a_plateau_counts(pushed: LimitAnalysis) -> None:
-    """The multiplier rises, and the forces are those of its mean over this state and the later ones."""
+    """The multiplier rises. The forces belong to its mean over the plateau, its first state included."""
     bound = pushed.bounds[Drive.LIVE]
     run = along(pushed, plateau_start=0.5 * TRAVEL, reaction=bound.value)
     assert run.poses.settlement[2] == run.result.plateau_start
@@ -87,13 +87,13 @@ def test_the_state_at_the_very_start_of_a_plateau_counts(pushed: LimitAnalysis) 
 
 
 def test_a_state_is_judged_where_its_blocks_have_gone(pads: LimitAnalysis) -> None:
-    """A block slides by 0.1 m over pads at rest: its weight goes all the way, and its contact points go half of it."""
+    """A block slides by 0.1 m over pads at rest: its weight moves by 0.1 m, and its contact points by half as much."""
     assembly, run, gone = pads.assembly, perfect_run(pads), 0.1
     (block,) = np.flatnonzero(assembly.blocks.free)
     place = assembly.points.position[:, 0]
     ends = [np.isclose(place, x) for x in (0.4 - assembly.inset, 0.5 + assembly.inset)]
     left, right = (place[end][0] for end in ends)
-    share = (0.5 + gone - (left + gone / 2.0)) / (right - left)  # of the weight on the right end
+    share = (0.5 + gone - (left + gone / 2.0)) / (right - left)  # share of the weight at the right end
     run.poses.displacement[:], run.poses.rotation[:] = 0.0, 0.0
     run.poses.displacement[2:, block, 0] = gone
     upward = np.where(assembly.contact_blocks[1] == block, 1.0, -1.0) * assembly.weight
@@ -103,7 +103,7 @@ def test_a_state_is_judged_where_its_blocks_have_gone(pads: LimitAnalysis) -> No
 
 
 def test_a_state_is_out_of_equilibrium_by_the_larger_of_its_two_faults(pads: LimitAnalysis) -> None:
-    """A level force of half a weight at a point that does not press: it is out of balance, and beyond its friction by as much."""
+    """A horizontal force of half a weight acts at a point without normal force: it is unbalanced, and exceeds friction by as much."""
     run, half = perfect_run(pads), 0.5 * pads.assembly.mean_weight
     pressed = pads.assembly.split(run.plateau_forces())[0]
     run.poses.forces[:, pressed.argmin(), 0] += half
@@ -114,7 +114,7 @@ def test_a_state_is_out_of_equilibrium_by_the_larger_of_its_two_faults(pads: Lim
 def test_a_state_contradicts_a_prediction_up_to_the_unbalanced_force_that_is_accepted(
     pads: LimitAnalysis, times: float, verdict: Verdict
 ) -> None:
-    """The force acts on a base that does not move aside, so that it has no power."""
+    """The force is horizontal and acts on a base without horizontal motion, so its power is zero."""
     run = perfect_run(pads, reaction=1.1 * pads.bounds[Drive.YIELDING].value)
     run.poses.forces[:, 0, 0] += times * unbalanced(Results(pads, run)) * pads.assembly.mean_weight
     assert named(REACTION, judged(pads, run)).verdict is verdict
@@ -159,7 +159,7 @@ def test_an_unlimited_greatest_reaction_has_no_value_and_is_no_end_of_the_range(
     assert check.verdict is Verdict.AGREE and check.range == (pytest.approx(arch.bounds[Drive.YIELDING].value), None)
 
 
-# --- what falls -------------------------------------------------------------------------------------------------------------------
+# --- falling structures -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("status", "verdict"), [(Status.SOLVED, Verdict.DISAGREE), (Status.INACCURATE, Verdict.INCONCLUSIVE)])

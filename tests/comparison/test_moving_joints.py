@@ -1,4 +1,4 @@
-"""A report lists forces of the ground, and joints that open or slide: forces, friction used, where the force acts, how far blocks part."""
+"""A report lists the forces of the ground. For joints that open or slide it lists forces, friction used, eccentricity and motion."""
 
 import html
 import re
@@ -40,20 +40,20 @@ def joints_of(scene: Scene) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("turn", [1, -1])
 def test_eccentricity_is_the_share_of_the_way_to_the_edge(turn: int) -> None:
-    """A triangle and a rectangle of 2 x 4 m, with corners about the normal and against it, and an interface without force."""
+    """The corners of a triangle and of a rectangle of 2 x 4 m run in either sense about the normal. One interface has no force."""
     triangle, rectangle = [(0, 0, 0), (3, 0, 0), (0, 3, 0)][::turn], [(0, 0, 5), (0, 4, 5), (0, 4, 7), (0, 0, 7)][::turn]
-    away = np.array([7.0, -3.0, 2.0])  # from the origin, which does not matter
+    away = np.array([7.0, -3.0, 2.0])  # the distance from the origin has no influence
     corners = away + np.array([*triangle, *rectangle, *rectangle, *rectangle], dtype=float)
     normal, start = np.array([[0, 0, 1], [1, 0, 0], [1, 0, 0], [1, 0, 0]], dtype=float), np.array([0, 3, 7, 11, 15])
     one = np.ones(4, dtype=int)
     assembly: Any = SimpleNamespace(interfaces=Interfaces(0 * one, one, normal, one.astype(float), corners, start))
-    # Half way from the centroid (1, 1) to the hypotenuse; a quarter of 2 m beside the middle; on an edge.
+    # The force acts half way from the centroid (1, 1) to the hypotenuse, a quarter of 2 m beside the middle, and on an edge.
     centre = np.array([[1.25, 1.25, 0], [0, 2.5, 6], [0, 2.5, 5], [np.nan] * 3])
     assert eccentricity(assembly, away + centre) == pytest.approx([0.5, 0.25, 1.0, np.nan], abs=1e-12, nan_ok=True)
 
 
 def test_an_arch_turns_in_four_hinges_at_its_edges() -> None:
-    """A hinge opens by its rotation times the distance of its two contact points, and pushes at one of them."""
+    """A hinge opens by its rotation times the distance of its two contact points, and its force acts at one of them."""
     rows = joints_of(load_scene(find("arch_spreading")))
     assert [row["state"] for row in rows] == ["opening"] * 4
     for row in rows:
@@ -64,7 +64,7 @@ def test_an_arch_turns_in_four_hinges_at_its_edges() -> None:
 
 
 def test_a_joint_that_slides_uses_all_its_friction_and_slips_as_far_as_its_blocks() -> None:
-    """Half blocks of a wall sink with the support by 1 m per m beside blocks that stay: their head joints slide, their beds open."""
+    """Half blocks of a wall sink with the support beside blocks at rest: by 1 m per m their head joints slide and their bed joints open."""
     rows = joints_of(load_scene(find("wall_third")))
     sliding, opening = ([row for row in rows if row["state"] == state] for state in ("sliding", "opening"))
     assert len(sliding) == len(opening) == 4
@@ -106,7 +106,7 @@ def test_many_joints_are_cut_to_those_that_move_most() -> None:
 
 
 def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(tmp_path: Path) -> None:
-    """Half the weight at each springing of an arch, and the thrust inwards: the reaction of the support that spreads."""
+    """Each springing of an arch carries half the weight and the inward thrust, which is the reaction of the spreading support."""
     scene = load_scene(find("arch_spreading"))
     analysis = analyse(scene)
     run = perfect_run(analysis)
@@ -130,7 +130,7 @@ def test_the_ground_and_the_support_carry_the_weight_and_their_thrusts_balance(t
 
 
 def test_blocks_that_are_set_aside_are_no_ground() -> None:
-    """They are held as the ground is, and the region leans on them."""
+    """Blocks that are set aside are fixed like the ground and carry the region, but their forces are no forces of the ground."""
     scene = variant(load_scene(find("wall_long")), {"effects.reach": True})
     analysis = analyse(scene)
     assert analysis.assembly.aside.sum() > 10
@@ -152,7 +152,7 @@ def test_of_many_blocks_of_ground_those_are_listed_that_carry_most() -> None:
 
 
 def test_a_joint_that_turns_in_its_own_plane_slides_with_less_than_all_its_friction() -> None:
-    """A block that is pushed along one rough and one slick pad turns on the rough one."""
+    """A block that is pushed along one rough and one frictionless pad turns on the rough pad."""
     scene = scenes.build(
         scenes.box("rough", (0.0, 0.0, -0.5), (0.5, 1.0, 0.0), "fixed"),
         scenes.box("slick", (1.0, -2.0, -0.5), (2.0, 3.0, 0.0), "fixed"),

@@ -1,4 +1,4 @@
-"""Which effects a run calls back: those whose guard fails, that the scene leaves open, and that the end of the run lets be judged."""
+"""A run restores an effect if its guard fails, the scene leaves the effect open, and the end of the run lets it be judged."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +14,7 @@ EFFECTS = ("displacement", "friction", "plane", "reach")
 
 @pytest.fixture(autouse=True)
 def failing_guards(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Guards of all effects that fail."""
+    """Let the guards of all effects fail."""
     for name in ("displacement", "plane", "reach"):
         check = Check(name, Verdict.INCONCLUSIVE, reason=f"{name} fails.")
         monkeypatch.setattr(restored_effects, f"check_{name}", lambda _, check=check: iter([check]))
@@ -22,7 +22,7 @@ def failing_guards(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ended(run: str = "plateau", bound: Status = Status.SOLVED, **effects: Any) -> Any:
-    """Results of a run that ended so, with the choices of the scene that are not "auto"."""
+    """Return results of a run with this status. `effects` has the choices of the scene that are not "auto"."""
     choices = SimpleNamespace(**({"elasticity": "auto"} | dict.fromkeys(EFFECTS, "auto") | effects))
     scene, modelled = SimpleNamespace(effects=choices), SimpleNamespace(called_back=("plane",), plane=False, reasons={"plane": "fails."})
     analysis = SimpleNamespace(main="main", bounds={"main": SimpleNamespace(status=bound)}, assembly=SimpleNamespace(effects=modelled))

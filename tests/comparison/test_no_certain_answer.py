@@ -1,4 +1,4 @@
-"""What is said of limit analysis where its answer is uncertain or has no value; nothing where it has one."""
+"""Where limit analysis has an uncertain answer or no value, a check gives the reason. For a certain value there is no such check."""
 
 import dataclasses
 import math
@@ -53,7 +53,7 @@ def test_a_bound_without_limit_is_no_lack_of_an_answer_where_the_prediction_has_
 
 @pytest.mark.parametrize("is_shared", [True, False])
 def test_a_fall_at_the_shared_inset_is_told_once(wall: LimitAnalysis, is_shared: bool) -> None:
-    """One check tells of it there. Of a fall for sharp edges only the expected value tells."""
+    """One check reports a fall at the shared inset. Only the check of the expected value reports a fall for sharp edges."""
     assert wall.scene.expected is not None
     fell = coulomb_of(wall, status=Status.FAILED, value=math.nan, uncertainty=math.inf)
     sharp = dataclasses.replace(wall.sharp, coulomb=None if is_shared else dataclasses.replace(fell))

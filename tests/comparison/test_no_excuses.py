@@ -1,4 +1,4 @@
-"""Neither an interval nor another mechanism excuses a difference, and only what is determined decides."""
+"""Neither an interval nor another mechanism excuses a difference. A mechanism decides only where it is determined."""
 
 import dataclasses
 import math
@@ -23,13 +23,13 @@ def wall() -> LimitAnalysis:
     return analyse(scenes.shipped("wall_third"))
 
 
-# --- intervals protect nobody -----------------------------------------------------------------------------------------------------
+# --- intervals excuse no difference -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("factor", [0.93, 0.985, 1.015, 1.08])
 def test_the_interval_of_a_mechanism_excuses_no_difference(wall: LimitAnalysis, factor: float) -> None:
     coulomb, low, high = coulomb_of(wall), *coulomb_of(wall).interval
-    assert low < factor * coulomb.value < high  # both lie in it
+    assert low < factor * coulomb.value < high  # both values lie in the interval
     found = judged(wall, coulomb_run(wall, reaction=factor * coulomb.value))
     assert named(REACTION, found).verdict is Verdict.DISAGREE
     assert named("reaction within the mechanism's interval", found).verdict is Verdict.AGREE
@@ -42,7 +42,7 @@ def test_another_mechanism_excuses_no_difference_either(wall: LimitAnalysis) -> 
 
 
 def test_a_state_of_yade_that_is_in_doubt_may_not_contradict_limit_analysis(wall: LimitAnalysis) -> None:
-    """Where its own forces show that not every joint slides that should, YADE is not at the end of its way."""
+    """Where YADE's own forces show that some joints do not slide as they should, YADE has not reached its final state."""
     run = coulomb_run(wall, reaction=1.05 * coulomb_of(wall).value)
     run.poses.forces[:] = wall.bounds[Drive.PUSHING].forces
     check = named(REACTION, judged(wall, run))
@@ -53,7 +53,7 @@ def test_a_state_of_yade_that_is_in_doubt_may_not_contradict_limit_analysis(wall
 def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_it(
     wall: LimitAnalysis, factor: float, jump: float, verdict: str
 ) -> None:
-    """A jump is an unbalanced force above half a block's weight; it may have led to another plateau."""
+    """An unbalanced force above half a block's weight shows a jump, which may lead to another plateau."""
     run = coulomb_run(wall, reaction=factor * coulomb_of(wall).value)
     run.record.unbalanced[len(run.record) // 2] = jump
     place = f"{1e3 * run.record.settlement[len(run.record) // 2]:.3g} mm"
@@ -70,19 +70,19 @@ def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_
         ([(0.05, 0.2)], 1.008, None),
         ([(0.05, 0.2)], 0.98, None),
         ([(0.11, 0.2)], 1.0, 0),
-        ([(0.13, 0.2)], 1.0, None),  # it begins after 0.6 of its settlement
+        ([(0.13, 0.2)], 1.0, None),  # begins after 0.6 of the settlement at its end
         ([(0.0, 0.004)], 1.0, None),  # too short
         ([(0.4, 0.9)], 1.0, None),  # on the later plateau
         ([(0.02, 0.04), (0.08, 0.25)], 1.0, 1),
-        ([(0.02, 0.1), (0.2, 0.29)], 1.0, 0),  # the second is longer, but too late for its length
+        ([(0.02, 0.1), (0.2, 0.29)], 1.0, 0),  # the second stretch is longer, but begins too late for its length
     ],
 )
 def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     wall: LimitAnalysis, stretches: list[tuple[float, float]], level: float, named_stretch: int | None
 ) -> None:
-    """It must last long enough for a plateau, lie before the later one, which begins at 0.3 of the travel, and be within the tolerance.
+    """The stretch is long enough for a plateau, ends before the later plateau at 0.3 of the travel, and lies within the tolerance.
 
-    stretches: over the travel; level: of the reaction there, over the prediction.
+    stretches: begin and end over the travel; level: reaction on the stretches over the prediction.
     """
     value = coulomb_of(wall).value
     run = coulomb_run(wall, reaction=1.05 * value)
@@ -94,7 +94,7 @@ def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     assert check.verdict is Verdict.DISAGREE
     assert ("within the tolerance of the prediction" in check.reason) == ("rests there" in check.next_step) == (named_stretch is not None)
     finite = unknown.with_effects(wall.assembly.effects.with_effect("rotation", "finite", ""))
-    assert "rotation" not in named(REACTION, judged(finite, run)).next_step  # the prediction has released what turning blocks release
+    assert "rotation" not in named(REACTION, judged(finite, run)).next_step  # the prediction includes the release by turning blocks
     if named_stretch is not None:
         first, *_, last = 1e3 * run.record.settlement[held[named_stretch]]
         assert f"Before its plateau, from {first:.3g} mm to {last:.3g} mm, YADE's reaction" in check.reason
@@ -110,14 +110,14 @@ def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
         (0.95, 1e-4, True, "disagree", "It also differs from the value", "finer settings"),
         (1.0001, 1e-4, True, "disagree", "Before its plateau", "finer settings"),  # turning blocks change nothing
         (1.02, 0.04, True, "inconclusive", "but this is too uncertain to decide by", "finer settings"),
-        (1.05, 0.06, True, "inconclusive", "but this is too uncertain to decide by", "finer settings"),  # nor whether they do
+        (1.05, 0.06, True, "inconclusive", "but this is too uncertain to decide by", "finer settings"),  # nor whether the value changes
         (0.9, 0.02, True, "disagree", "It also differs from the value", "finer settings"),
     ],
 )
 def test_a_plateau_after_a_release_agrees_where_both_levels_are_those_of_limit_analysis(
     wall: LimitAnalysis, released: float, stated: float, was_there: bool, verdict: str, words: str, step: str
 ) -> None:
-    """YADE's plateau is 5 % above the prediction; released and stated are over the prediction."""
+    """YADE's plateau is 5 % above the prediction. released, stated: the released value and its uncertainty, over the prediction."""
     value = coulomb_of(wall).value
     run = coulomb_run(wall, reaction=1.05 * value)
     if was_there:
@@ -165,14 +165,14 @@ def test_only_a_lift_that_leaves_the_methods_at_rest_in_different_states_is_anot
 
 
 def moved_otherwise(run: Run, blocks: np.ndarray) -> Run:
-    """The run in which these blocks go down with the support, too."""
+    """Return the run with these blocks also moving down with the support."""
     displacement = run.poses.displacement.copy()
     displacement[:, blocks, 2] -= run.poses.settlement[:, None]
     return dataclasses.replace(run, poses=dataclasses.replace(run.poses, displacement=displacement))
 
 
 def others(analysis: LimitAnalysis) -> np.ndarray:
-    """Blocks at rest in the prediction, with about a third of the mass."""
+    """Return blocks at rest in the prediction that have about a third of the movable mass."""
     blocks = analysis.assembly.blocks
     still = np.flatnonzero(blocks.free & ~mechanism.moving(analysis.assembly, coulomb_of(analysis).twists))
     return still[np.cumsum(blocks.mass[still]) <= 0.31 * analysis.assembly.movable_mass]
@@ -182,8 +182,8 @@ def test_a_mechanism_that_is_not_determined_decides_nothing_where_the_reactions_
     run = moved_otherwise(coulomb_run(wall, reaction=1.004 * coulomb_of(wall).value), others(wall))
     found = judged(wall, run)
     check = named(MOVING, found)
-    assert check.difference is not None and check.difference > 0.25 and "need not be unique" in check.reason  # it is said ...
-    assert overall(found)[0] is Verdict.AGREE  # ... and does not decide
+    assert check.difference is not None and check.difference > 0.25 and "need not be unique" in check.reason  # the difference is stated ...
+    assert overall(found)[0] is Verdict.AGREE  # ... but does not decide
 
 
 def test_where_no_joint_slides_another_mechanism_still_disagrees() -> None:
@@ -194,7 +194,7 @@ def test_where_no_joint_slides_another_mechanism_still_disagrees() -> None:
 
 
 def test_a_block_at_the_threshold_of_motion_is_the_same_in_both_methods(wall: LimitAnalysis) -> None:
-    """Blocks that creep by 4 % in one method and by 6 % in the other do not move in one only."""
+    """Blocks at 4.8 % of the fastest speed in one method and 5.3 % in the other, about the threshold of 5 %, count as alike."""
     blocks = wall.assembly.blocks
     slow = others(wall)
     twists = coulomb_of(wall).twists.copy()
@@ -207,7 +207,7 @@ def test_a_block_at_the_threshold_of_motion_is_the_same_in_both_methods(wall: Li
     assert check.difference == 0.0 and check.limit_analysis != check.yade
 
 
-# --- sharp values without a witness -------------------------------------------------------------------------------------------------
+# --- no value for sharp edges -------------------------------------------------------------------------------------------------------
 
 
 def test_no_sharp_value_is_stated_where_the_history_of_friction_decides(wall: LimitAnalysis) -> None:
@@ -219,7 +219,7 @@ def test_no_sharp_value_is_stated_where_the_history_of_friction_decides(wall: Li
 
 
 def test_no_sharp_value_is_stated_where_slip_on_the_way_decides_although_the_mechanism_is_without() -> None:
-    """Two beams on three columns, the outer ones moved apart: nothing slides in the mechanism, yet both laws give another value."""
+    """Of three columns under two beams, an outer one settles and the other rises. No joint slides in the mechanism, yet the laws differ."""
     columns = [(name, x, role) for name, x, role in (("A", 0.0, "support"), ("B", 2.5, "support"), ("C", 1.25, "fixed"))]
     pads = [scenes.box(f"pad {name}", (x, 0.0, -0.2), (x + 0.5, 0.4, 0.0), role) for name, x, role in columns]
     shafts = [scenes.box(f"column {name}", (x, 0.0, 0.0), (x + 0.5, 0.4, 1.5)) for name, x, _ in columns]

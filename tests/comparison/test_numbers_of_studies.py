@@ -1,4 +1,4 @@
-"""Numbers of the studies: the last values of a run that did not converge, and what is shown over the weight; runs that are made up."""
+"""Numbers of the studies, from made-up runs: the last values of a run that did not converge, and the numbers over the weight."""
 
 from types import SimpleNamespace
 from typing import Any

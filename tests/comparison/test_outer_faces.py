@@ -1,4 +1,4 @@
-"""A block that is not convex is drawn as one stone: its convex parts have no edges between them, and hide each other in their order."""
+"""A block that is not convex is drawn as one stone: no edges separate its convex parts, and nearer parts hide those behind them."""
 
 from typing import Any
 
@@ -15,17 +15,17 @@ from la_core.model.assembly import Assembly, assemble
 TEE = [[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [3.0, 1.0], [3.0, 2.0], [0.0, 2.0], [0.0, 1.0], [1.0, 1.0]]
 CHANNEL = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]
 STEPS = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [1.0, 3.0], [0.0, 3.0]]
-SEEN = {"tee": (TEE, 4), "channel": (CHANNEL, 6), "steps": (STEPS, 7)}  # with the faces that are seen from the right, the front and above
-BASES = 2  # blocks below the stone, of which three faces are seen
+SEEN = {"tee": (TEE, 4), "channel": (CHANNEL, 6), "steps": (STEPS, 7)}  # profile; number of faces seen from the right, the front and above
+BASES = 2  # blocks below the stone; three faces of each are seen
 
 
 def stone_on_bases(profile: list[list[float]], deep: float = 1.0) -> Assembly:
-    """A stone with this profile on two bases 1 m deep; it is plane where it is as deep."""
+    """Return a stone with this profile on two bases 1 m deep. The model is plane if the stone has the same depth."""
     return assemble(scenes.build(*scenes.base(1.5, 3.0), scenes.block("stone", prism=(profile, [0.0, deep])), plane=deep == 1.0))
 
 
 def drawn(assembly: Assembly, turned: float = 0.0) -> tuple[drawing.Canvas, list[np.ndarray]]:
-    """The canvas, and the faces on it (n, 2), of the structure sheared by so much per height."""
+    """Return the canvas and the drawn faces, (n, 2) each, of the structure sheared by `turned` per height."""
     canvas = drawing.canvases(structure.Figure(), assembly, 1)[0]
     vertices = assembly.blocks.vertices + turned * assembly.blocks.vertices[:, 2:] * np.array([1.0, 0.0, 0.0])
     canvas.solids(vertices, *structure.looks(assembly))

@@ -1,4 +1,4 @@
-"""The style that a user has set in matplotlib, in Python or in a matplotlibrc, neither changes the program's figures nor is changed."""
+"""A user's matplotlib style, set in Python or in a matplotlibrc, does not change the program's figures, and the program keeps it."""
 
 import multiprocessing
 import threading
@@ -41,7 +41,7 @@ def drawn(draw: Callable[[], comparison.Picture]) -> list[bytes]:
 
 
 def is_the_same_in_a_users_style(make: Callable[[], object]) -> bool:
-    """Whether the program makes the same in its own style and in a user's; with that of the user's style, which stays."""
+    """Return whether `make` has the same result under the own and the user's style, and leaves the user's style unchanged."""
     ours = make()
     with matplotlib.rc_context(USERS):
         before = dict(matplotlib.rcParams)
@@ -71,7 +71,7 @@ def test_figures_of_a_campaign_have_their_own_style(tmp_path: Path) -> None:
 
     def figures() -> dict[str, bytes]:
         folder = comparison.run_campaign(tmp_path / "sweep.toml", tmp_path / next(folders), yade=False, workers=1, quiet=True).folder
-        return {path.name: path.read_bytes() for path in folder.rglob("*.png") if not path.name.startswith("costs")}  # which are seconds
+        return {path.name: path.read_bytes() for path in folder.rglob("*.png") if not path.name.startswith("costs")}  # costs are seconds
 
     assert is_the_same_in_a_users_style(figures)
 
@@ -86,7 +86,7 @@ def test_figures_drawn_in_several_threads_leave_the_users_style(answer: la_core.
 
 @contextmanager
 def drawing_elsewhere() -> Iterator[None]:
-    """Another thread draws all the while."""
+    """Let another thread draw during the block of `with`."""
     begun, ended = threading.Event(), threading.Event()
 
     def draw() -> None:
@@ -105,7 +105,7 @@ def drawing_elsewhere() -> Iterator[None]:
 
 
 def test_a_process_forked_while_another_thread_draws_can_draw(answer: la_core.Answer) -> None:
-    """It waited for ever: the thread that held the style does not exist there."""
+    """The forked process once waited for ever for the lock of the style: the thread that held it does not exist there."""
     with drawing_elsewhere():
         process = multiprocessing.get_context("fork").Process(target=answer.plot, args=("assembly",))
         process.start()

@@ -52,7 +52,7 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
 
 
 def test_a_run_that_collapsed_before_it_settled_leaves_no_empty_axes(tmp_path: Path) -> None:
-    """They had ticks of 1e-5 kN and of 1e-5 over W."""
+    """The empty axes once had ticks of 1e-5 kN and of 1e-5 over W."""
     scene = scene_of(tmp_path, SCENES["falling"])
     analysis = analyse(scene)
     run = synthetic_run(analysis, status="collapsed", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
@@ -66,7 +66,7 @@ CURVELESS: dict[str, Any] = {"path_settlement": np.zeros(0), "path_value": np.ze
 
 
 def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
-    """The analysis with a Coulomb value of so many times the least reaction, its interval likewise, and no curve; and a short path."""
+    """Return the analysis with a short path and a Coulomb value without curve. value, share: value and interval over the least reaction."""
     assert analysis.coulomb is not None
     least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least), **CURVELESS)
@@ -88,7 +88,7 @@ def labels_of(axes: Any) -> dict[str, Any]:
 def test_the_value_after_a_release_is_a_level_where_it_is_another_one(
     released: float, stated: float, is_drawn: bool, tmp_path: Path
 ) -> None:
-    """Both are given over the prediction; a change within the uncertainty is no level of its own."""
+    """A change within its uncertainty is no level of its own. released, stated: released value and uncertainty, over the prediction."""
     analysis = frictional(analyse(scene_of(tmp_path, SCENES["plane"])), (0.9, 1.3))
     coulomb = analysis.coulomb
     assert coulomb is not None
@@ -177,7 +177,7 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
 
 
 def followed(analysis: LimitAnalysis) -> LimitAnalysis:
-    """The analysis with a prediction's curve over 16 travels, which falls from three times its value to it along a line."""
+    """Return the analysis with the prediction's curve over 16 travels, which falls along a line from three times the value to the value."""
     analysis = replace(frictional(analysis, (1.0, 1.3)), path=None)
     assert analysis.coulomb is not None
     travel, value = analysis.stiffness.travel, analysis.coulomb.value
@@ -246,7 +246,7 @@ def test_curves_say_where_they_are_drawn_at_the_settlement_of_stiffer_joints(tim
 
 
 def test_the_legend_is_no_wider_than_the_figure(tmp_path: Path) -> None:
-    """Four columns with a narrow interval, the curves and their largest difference on stiffer joints were cut off at both sides."""
+    """A legend of four columns with a narrow interval, curves and their largest difference on stiffer joints was cut off at both sides."""
     analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
     assert analysis.coulomb is not None
     value = analysis.coulomb.value

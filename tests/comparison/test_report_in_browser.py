@@ -1,4 +1,4 @@
-"""The report in a real browser: nothing runs over the edge of a phone, every text has contrast, in light and in dark, and it prints."""
+"""The report in a real browser: it fits the screen of a phone, every text has contrast in light and dark colours, and it prints on A4."""
 
 import re
 import shutil
@@ -24,7 +24,7 @@ pytestmark = [
 WIDTHS = (1400, 800, 390)  # pixels of a screen, a tablet, a phone
 CONTRAST = 4.5  # of WCAG 2.1, success criterion 1.4.3, for text of any size
 
-# Contrast of every visible text with the nearest opaque background above it; texts in pictures are not seen.
+# Contrast of every visible text with the background of its nearest opaque parent element. Texts in pictures are not checked.
 POOR = """(() => {
   const channel = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
   const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
@@ -50,12 +50,12 @@ POOR = """(() => {
 })()""".replace("LEAST", str(CONTRAST))
 WIDE = "[...document.querySelectorAll('body *')].filter((e) => e.checkVisibility() && !e.closest('.wide, .picture, pre') && "
 WIDE += "e.getBoundingClientRect().right > innerWidth + 1).map((e) => `${e.tagName}.${e.className}: ${e.textContent.slice(0, 40)}`)"
-FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"  # the view follows its window
+FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"  # until the view fits its window
 OPENED = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
 
-PAPER = 695  # pixels, 184 mm: an A4 page within its margins; what is wider is printed smaller, and all text with it
-ORDINARY = 16  # letters of a word that stays whole, such as "interpenetration"
-# Words of at most ORDINARY letters that a line breaks inside; a path or a name in one long word may break.
+PAPER = 695  # pixels, 184 mm: width of an A4 page within its margins; a wider page is printed smaller, with all its text
+ORDINARY = 16  # most letters of a word that must stay whole, such as "interpenetration"
+# Words of at most ORDINARY letters that are broken over two lines. A path or a name in one long word may break.
 BROKEN = """(() => {
   const broken = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), range = document.createRange();
   let seen = 0;
@@ -130,7 +130,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.mark.parametrize("page", ["report", "campaign"])
 def test_every_text_has_contrast_and_nothing_runs_over_the_edge(page: str, browser: Browser, request: pytest.FixtureRequest) -> None:
-    """Checked in one window that changes its width and its colours: a page is loaded once, as by a reader who turns a phone."""
+    """One window changes its width and its colours. The page is loaded once, as by a reader who turns a phone."""
     path: Path = request.getfixturevalue(page)
     browser.send("Emulation.setDeviceMetricsOverride", width=WIDTHS[0], height=900, deviceScaleFactor=1, mobile=False)
     try:
@@ -177,7 +177,7 @@ def test_a_long_word_does_not_widen_the_page(browser: Browser, report: Path) -> 
 
 
 def test_blocks_of_the_view_are_chosen_by_keys_alone(browser: Browser, report: Path) -> None:
-    """Of one method after another, in a circle; a screen reader is told what is chosen."""
+    """Keys choose the blocks of one method after another, in a circle. A screen reader is told the chosen block."""
     browser.open(report)
     browser.value("document.querySelector('details.viewer').open = true")
     browser.wait("document.querySelector('.stage > canvas')")
@@ -213,7 +213,7 @@ PAGES = ["report", "drives", "campaign"]
 
 @pytest.mark.parametrize("page", PAGES)
 def test_nothing_is_wider_than_a_sheet_of_a4(page: str, browser: Browser, request: pytest.FixtureRequest) -> None:
-    """Chromium prints a page that is too wide smaller as a whole, its text of 8.5 pt, too."""
+    """Chromium prints the whole of a page that is too wide smaller, with its text of 8.5 pt."""
     browser.send("Emulation.setDeviceMetricsOverride", width=PAPER, height=900, deviceScaleFactor=1, mobile=False)
     browser.send("Emulation.setEmulatedMedia", media="print")
     try:
@@ -229,7 +229,7 @@ def test_nothing_is_wider_than_a_sheet_of_a4(page: str, browser: Browser, reques
 
 
 def test_a_parameter_of_many_values_fits_a_sheet_of_a4(browser: Browser, campaign: Path) -> None:
-    """One row for each scene, one column for each value: the table of verdicts gets 30 columns more."""
+    """The table of verdicts has one row for each scene and one column for each value. It gets 30 more columns."""
     browser.send("Emulation.setDeviceMetricsOverride", width=PAPER, height=900, deviceScaleFactor=1, mobile=False)
     browser.send("Emulation.setEmulatedMedia", media="print")
     try:
@@ -251,7 +251,7 @@ def test_text_is_printed_in_the_size_that_the_page_declares(page: str, request: 
         try:
             drawn = zlib.decompress(packed)
         except zlib.error:
-            continue  # no stream of this kind
+            continue  # not a compressed stream
         scales |= {float(found) for found in re.findall(rb"^([\d.]+) 0 0 \1 [1-9][\d.]* [1-9][\d.]* cm$", drawn, re.MULTILINE)}
         sizes |= {round(float(size), 2) for size in re.findall(rb"/F\d+ ([\d.]+) Tf", drawn)}
     assert scales == {3.125}

@@ -38,7 +38,7 @@ def test_a_value_has_the_digits_that_its_uncertainty_leaves(value: float, uncert
         (-0.0025, 0.366, 5, "−0.00250"),
         (0.0, 0.366, 5, "0"),  # exactly
         (2.44e-11, 1e-6, 3, "≈ 0"),  # far below its tolerance
-        (3.5e-6, 1e-5, 3, "3.5e-6"),  # too many places
+        (3.5e-6, 1e-5, 3, "3.5e-6"),  # too many decimal places
         (12.0, 250.0, 3, "12"),
         (math.nan, 1.0, 3, "–"),
         (0.5, math.nan, 3, "0.500"),

@@ -1,4 +1,4 @@
-"""The pages of a report load nothing, escape everything, say what is missing, and are the same twice."""
+"""The pages of a report load no file, escape all text, mark missing values, and are the same each time."""
 
 import json
 import re
@@ -17,7 +17,7 @@ FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["b
 
 
 class Page(HTMLParser):
-    """Tags, every attribute that could load something, and the text of table cells."""
+    """Tags of a page, every attribute that could load something, and ids."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -94,11 +94,11 @@ def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
 
 def test_two_figures_of_the_usual_height_share_a_sheet_of_paper_and_a_tall_one_is_larger() -> None:
     usual, tall, animated = (picture(1105, 866), picture(1105, 1115), b"GIF89a")
-    assert [round(paper_width(image)) for image in (usual, tall, animated)] == [151, 173, 0]  # mm; drawn 216 mm wide
+    assert [round(paper_width(image)) for image in (usual, tall, animated)] == [151, 173, 0]  # mm; the figures are drawn 216 mm wide
 
 
 def picture(width: int, height: int) -> bytes:
-    """A PNG file as far as its size."""
+    """Return the beginning of a PNG file, up to its width and height, pixels."""
     return b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + width.to_bytes(4, "big") + height.to_bytes(4, "big")
 
 

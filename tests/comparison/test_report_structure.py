@@ -1,4 +1,4 @@
-"""A report says of the structure what was put in, what reading changed, and what moves."""
+"""A report states the inputs of the structure, the changes on reading, and the moving blocks."""
 
 import html
 import re
@@ -24,7 +24,7 @@ from la_core.scene.shipped import find
 
 
 def leaves(data: Any) -> Iterator[Any]:
-    """Every value in a scene's data that is no table and no array."""
+    """Yield every value in a scene's data that is neither a table nor an array."""
     if isinstance(data, dict):
         for value in data.values():
             yield from leaves(value)
@@ -78,7 +78,7 @@ def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() ->
     falls = {"limit_analysis": {"associated": {"status": "infeasible", "falling": ["a", "b"]}}}
     told = ["The structure cannot stand: 2 blocks fall (a, b).", "No forces between the blocks can hold the structure"]
     assert [sentence.split(", so")[0] for sentence in plain_words(falls, Units(None))] == told
-    assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict names the blocks
+    assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict already names the blocks
 
 
 CHANGED = {
@@ -163,7 +163,7 @@ ASSUMED = "Assumed: friction coefficient 0.6, dry joints without mortar, cohesio
     ],
 )
 def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: str, value: str, known: bool) -> None:
-    """Without a Coulomb prediction the conclusion has the associated answer, which is a bound."""
+    """Without a Coulomb prediction the conclusion gives the associated answer and calls it a bound."""
     answer = {"status": "solved", quantity: 500.0 if quantity == "reaction" else 0.5, "angle": 26.565 if tilts else None}
     answers = {"associated": answer, "coulomb": answer if known else {"status": "failed", quantity: None, "angle": None}}
     structure = FACTS | ({"tilt": [0.0, 1.0, 0.0]} if tilts else {})
@@ -184,7 +184,7 @@ def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: s
     ],
 )
 def test_the_conclusion_says_what_a_negative_reaction_means(motion: list[float], unit: str, reaction: float, words: str) -> None:
-    """A wedge that sinks between two blocks and drives them apart carries nothing: the conclusion said that it carries -500 N."""
+    """A sinking wedge that drives two blocks apart carries nothing, but the conclusion once said that it carries -500 N."""
     answer = {"status": "solved", "reaction": reaction}
     comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS | {"motion": motion}}
     told = " ".join(plain_words(comparison | {"weight": 1000.0, "unit": unit}, Units(50.0)))
@@ -203,7 +203,7 @@ def known(coulomb: dict[str, Any], associated: dict[str, Any] = BOUNDS, yade: di
 
 
 def test_the_conclusion_says_how_well_the_values_are_known() -> None:
-    """Who copies one number from the report should not have to look for its uncertainty, and for what friction's history leaves open."""
+    """A reader who copies one number finds beside it its uncertainty and the interval that friction's history leaves open."""
     told = known(COULOMB)
     stated = "the reaction is 0.500 ± 0.002 kN by limit analysis and 0.501 ± 0.004 kN in YADE."
     assert f"With the uncertainty that each method states, {stated}" in told
@@ -239,7 +239,7 @@ def test_a_multiplier_is_called_one_and_an_angle_has_its_uncertainty_once() -> N
 
 
 def test_a_push_is_given_as_a_force_too() -> None:
-    """The weight beside the multiplier reads as the push at failure."""
+    """Without the force, a reader takes the weight beside the multiplier for the push at failure."""
     answer = {"status": "solved", "multiplier": 0.5}
     comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS, "weight": 1000.0, "unit": ""}
     told = " ".join(plain_words(comparison, Units(1000.0)))
@@ -261,14 +261,14 @@ def test_the_unit_of_a_load_is_that_of_its_own_kind(per: str, unit: str) -> None
 
 
 def test_the_share_of_a_reaction_of_round_off_is_0_percent() -> None:
-    """A block on a support that slides in level: the sentence said "0 kN, -1e-7 % of the weight"."""
+    """For a block on a support that slides horizontally, the sentence once said "0 kN, -1e-7 % of the weight"."""
     answer = {"status": "solved", "reaction": -1e-6}
     comparison = {"limit_analysis": {"associated": answer, "coulomb": answer}, "structure": FACTS, "weight": 1000.0, "unit": "N"}
     assert "0 kN, 0 % of the weight W" in " ".join(plain_words(comparison, Units(1000.0)))
 
 
 def test_the_conclusion_names_the_weight_that_is_pushed() -> None:
-    """A block of 1000 N and a mass on it are pushed; a load by force counts in W and is not pushed."""
+    """A block of 1000 N and a mass on it are pushed. A dead load by force counts in W, but is not pushed."""
     loads = [{"name": "mass", "force": [0.0, 0.0, -100.0], "mass": 100.0 / 9.81, "blocks": 1}]
     answer = {"associated": {"status": "solved", "multiplier": 0.5}, "coulomb": {"status": "solved", "multiplier": 0.5}}
     yade = {"reaction": 0.5, "status": "plateau"}
@@ -284,7 +284,7 @@ def test_the_conclusion_names_the_weight_that_is_pushed() -> None:
     assert "fails at 0.5000 times the pushed weight, 1100 N." in pressed
     assert "YADE gives 0.5000 times the pushed weight." in pressed
     lifted = told([{"name": "balloon", "force": [0.0, 0.0, 400.0], "mass": None, "blocks": 1}], 1100.0)
-    assert "times its weight, W = 1100 N." in lifted  # what lifts is no part of W
+    assert "times its weight, W = 1100 N." in lifted  # a lifting force is no part of W
 
 
 def test_the_place_of_a_support_has_no_round_off() -> None:
@@ -299,7 +299,7 @@ def test_the_place_of_a_support_has_no_round_off() -> None:
 
 
 def test_a_place_far_from_the_origin_is_given_as_exactly_as_one_near_it() -> None:
-    """Coordinates of a survey have six digits before the point; the arm of a turning support needs those after it."""
+    """Coordinates of a survey have six digits before the point. The lever arm of a turning support needs the digits after the point."""
     support = {"names": ["pad"], "low": [432100.804, 0.0, -0.3], "high": [432101.906, 0.4, 0.0]}
     axis, point = np.array([0.0, 1.0, 0.0]), np.array([432100.125, 0.0, -0.5])
     motion = [*np.cross(point, axis).tolist(), *axis.tolist()]

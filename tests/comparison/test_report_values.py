@@ -1,4 +1,4 @@
-"""A report shows what each method found, how sure it is, and how far the other one is from it."""
+"""A report shows the value of each method, its uncertainty, and its difference from the other method."""
 
 from pathlib import Path
 from typing import Any
@@ -83,7 +83,7 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
 
 
 def test_each_scene_of_a_report_has_the_units_of_its_own_figures(tmp_path: Path) -> None:
-    """Beside a wall in kN the forces of a model of 5 cm would have powers of ten."""
+    """In kN, the unit of a wall, the forces of a model of 5 cm would have powers of ten."""
     small, large = (comparison_of(scene=name, weight=weight) for name, weight in (("model", 50.0), ("wall", 5e5)))
     page = report.write_report(tmp_path, [small, large], {}).read_text(encoding="utf-8")
     assert "W = 50 N" in page and "W = 500 kN" in page and "Forces in this report are in N or kN" in page
@@ -101,7 +101,7 @@ def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_unce
     assert "| 0.36600 kN | 0.36330 to 0.37130 kN |" in markdown
     assert "several plateaus:" not in page
     row = values_part(page)
-    assert row.count("±") == 1  # YADE's
+    assert row.count("±") == 1  # YADE's uncertainty
 
 
 def test_the_work_of_a_prediction_of_version_0_2_0_is_counted_in_what_it_solved(tmp_path: Path) -> None:
@@ -246,7 +246,7 @@ def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
     page = report.write_report(tmp_path, [turning], {}).read_text(encoding="utf-8")
     for words in (
         "R is the moment of the support against its rotation",
-        "Moment of the support against its rotation, from rest.",  # what the structure does to it acts along its rotation
+        "Moment of the support against its rotation, from rest.",  # the moment of the structure on the support acts along the rotation
         "rotation imposed in YADE",
     ):
         assert words in page
@@ -269,7 +269,7 @@ def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
         (
             {"joints": {"normal": 2e9}, "settings": {"normal_stiffness": 128e9}, "effects": {"rotation": "finite"}},
             ("at which YADE's joints, 64 times as stiff as those of limit analysis, have released as much.",),
-            ("divided",),  # by the root of 16 times 64
+            ("divided",),  # the divisor would be the root of 16 times 64
         ),
         ({"effects": {"rotation": "finite"}}, ("at which the joints have released as much.",), ("divided",)),
     ],
@@ -294,7 +294,7 @@ def test_w_is_said_to_hold_the_loads_wherever_reactions_are_given_over_it(tmp_pa
 
 
 def test_several_plateaus_are_told_beside_the_conclusion_unless_its_reason_tells_them() -> None:
-    """A reader of the conclusion alone would take the value of the answer, which may be the unsafe one."""
+    """A reader of the conclusion alone would take its value, which may be the unsafe one."""
     comparison = frictional_comparison()
     comparison["limit_analysis"]["coulomb"]["plateaus"] = [366.0, 402.5]
     told = "several plateaus: 366, 402.5 N. A small disturbance decides between them: work with the least favourable one."
@@ -305,7 +305,7 @@ def test_several_plateaus_are_told_beside_the_conclusion_unless_its_reason_tells
 
 @pytest.mark.parametrize(("sharp", "is_told"), [(359.7, False), (340.0, True), (0.0, True), (None, False)])
 def test_an_inset_that_changes_the_answer_much_is_told_beside_the_conclusion(sharp: float | None, is_told: bool) -> None:
-    """Between small stones 1 mm takes more of a joint: a wall of stones of 100 x 30 mm bore 18 % more than with sharp edges."""
+    """An inset of 1 mm is a larger share of a small joint: a wall of stones of 100 x 30 mm bore 18 % more than with sharp edges."""
     comparison = comparison_of()
     comparison["limit_analysis"]["associated"] |= {"reaction": 363.3, "reaction_sharp": sharp, "inset": 0.001}
     notes = [note for note in notes_of(comparison) if note.startswith("The inset of 1 mm changes the associated reaction from ")]
@@ -314,7 +314,7 @@ def test_an_inset_that_changes_the_answer_much_is_told_beside_the_conclusion(sha
 
 
 def test_a_force_of_round_off_is_shown_as_zero() -> None:
-    """A block that stays on the fixed part of its ground pressed the settling part with 7.5e-10 kN."""
+    """By round-off, a block that stays on the fixed part of its ground pressed the settling part with 7.5e-10 kN."""
     assert Units(1500.0).text(7.5e-7, "N") == "0 kN" == Units(1500.0).text(-7.5e-7, "N")
     assert Units(1500.0).text(1e-3, "N") != "0 kN" and Units(None).text(7.5e-7, "N") != "0 kN"
     assert Units(1500.0).text(1e-9, "m") != "0 mm"

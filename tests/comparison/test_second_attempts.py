@@ -1,4 +1,4 @@
-"""A second attempt with finer settings: when it is made, with which settings, and what it leaves to do."""
+"""A second attempt with finer settings: its conditions, its settings, and the next step after it."""
 
 import itertools
 import json
@@ -23,7 +23,7 @@ from la_core.exchange import EARLIER_ATTEMPT
 
 
 def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
-    """What is used of a first comparison.json."""
+    """Return the entries of a first comparison.json that a second attempt reads."""
     values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau"} | yade
     return {
         "scene": "wall_third", "verdict": verdict, "reason": "why",
@@ -33,7 +33,7 @@ def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
 
 
 class Told(Silent):
-    """A listener that keeps what it was told."""
+    """A listener that keeps the states of all stages."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
@@ -44,7 +44,7 @@ class Told(Silent):
 
 def test_what_a_second_attempt_reads_stands_in_the_file_of_the_first() -> None:
     contract = json.loads((Path(__file__).parents[1] / "helpers" / "contract.json").read_text(encoding="utf-8"))
-    known = {*contract["comparison.json"], "limit_analysis.coulomb.uncertainty"}  # which came later
+    known = {*contract["comparison.json"], "limit_analysis.coulomb.uncertainty"}  # which a later version added
     content = first("inconclusive")
     assert set(content) <= known
     assert {f"yade.{name}" for name in content["yade"]} <= known
@@ -72,9 +72,9 @@ def test_a_second_attempt_is_made_only_where_something_is_open(runs: list[tuple[
 
 
 def test_a_scene_that_sets_a_high_effort_itself_has_a_second_attempt(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
-    """It had none, and nobody said why."""
+    """Such a scene once had no second attempt, and no message said why."""
     scene, told = la_core.variant("wall_third", {"effort": "high"}, "wall"), Told()
-    assert harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 101.5) is not None  # its paths take no longer again
+    assert harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 101.5) is not None  # its paths are as fine as before
     assert runs[0][0].name == "wall_harder" and runs[0][4] == 100.5
     assert is_second_attempt(runs[0][0]) and not is_second_attempt(scene)
     assert not is_second_attempt(la_core.variant(scene, {"effort": "normal"}, "wall_harder"))
@@ -130,7 +130,7 @@ def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: li
 @pytest.mark.parametrize(
     ("changes", "came_to", "periods"),
     [
-        ({}, 7920.0, 2400.0),  # without an accuracy the run's own attempts decide its speed, and those of the second one again
+        ({}, 7920.0, 2400.0),  # without a requested accuracy each run finds its speed in its own attempts
         ({"accuracy": 0.001}, 7920.0, 15840.0),
         ({"accuracy": 0.01}, 150.0, 2400.0),
         ({"accuracy": 0.001, "yade.travel_periods": 75.0}, 75.0, 150.0),
@@ -140,7 +140,7 @@ def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: li
 def test_it_is_slower_than_what_an_accuracy_has_made_of_the_first_run(
     changes: dict[str, Any], came_to: float | None, periods: float
 ) -> None:
-    """It was faster, and its own error larger."""
+    """The second attempt was once faster than the first run, with a larger error of its own."""
     scene = la_core.variant("wall_third", changes)
     run = {"stiffening": 4.0} | ({} if came_to is None else {"travel_periods": came_to})
     assert harder.finer_settings(scene, run)["yade.travel_periods"] == periods
@@ -150,7 +150,7 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
     scene, told = la_core.load("wall_third"), Told()
     harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 200.0)
     *_, with_yade, seconds, named = runs[0]
-    assert with_yade and seconds == 200.0 - harder.DEARER_PATHS * 1.0  # what the prediction leaves
+    assert with_yade and seconds == 200.0 - harder.DEARER_PATHS * 1.0  # the time that the prediction leaves
     kept = named["first_verdict"]
     assert (kept["scene"], kept["verdict"], kept["reason"]) == ("wall_third", "inconclusive", "why")
     assert (kept["coulomb"], kept["yade"]) == (1.2, 1.0)
@@ -167,7 +167,7 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
 def test_its_time_is_that_of_both_methods_and_of_yade_only_where_it_runs(
     of_yade: float, of_prediction: float, with_yade: bool, is_made: bool, runs: list[tuple[Any, ...]], tmp_path: Path
 ) -> None:
-    """Ten times the seconds of YADE's first attempt and eight times those of the prediction, of 200 s."""
+    """The estimate, ten times the seconds of YADE's first attempt plus eight times those of the prediction, is held against 200 s."""
     content = first("inconclusive", seconds=of_yade)
     content["limit_analysis"]["coulomb"]["seconds"] = of_prediction
     harder.try_harder(content, la_core.load("wall_third"), tmp_path, Told(), with_yade, 200.0)
@@ -182,7 +182,7 @@ def test_what_yade_tried_in_vain_does_not_count_for_its_time(runs: list[tuple[An
 
 
 def test_a_time_limit_of_the_first_run_is_not_that_of_the_second_one(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
-    """A run that was cut off would be cut off again; and what it took says too little about how long the next one takes."""
+    """With the same limit a run would be cut off again. The time of a cut-off run says too little about the time of the next run."""
     scene, told = la_core.variant("wall_third", {"yade.time_limit": 20.0}), Told()
     harder.try_harder(first("inconclusive", seconds=20.0, status="timeout"), scene, tmp_path, told, True, 300.0)
     assert runs[0][4] == 292.0 and "YADE for at most 292 s (--try-harder-limit); its time limit cut the first run off" in told.lines[-1]

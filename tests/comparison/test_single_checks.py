@@ -1,4 +1,4 @@
-"""What single checks count by: each number that a check uses is moved alone, and the check sees it."""
+"""The numbers of single checks: a test changes one number that a check uses, and the check responds."""
 
 import dataclasses
 import math
@@ -41,7 +41,7 @@ def pushed(*blocks: str, **options: object) -> LimitAnalysis:
 
 
 def driven(analysis: LimitAnalysis, twists: np.ndarray, forces: np.ndarray, value: float) -> Run:
-    """A run under a live load with this mechanism per metre of mean displacement, at the speed that was set."""
+    """Return a run under a live load at the set speed, with this mechanism per metre of mean displacement."""
     run = perfect_run(with_answers(analysis, bounds={Drive.YIELDING: dataclasses.replace(
         analysis.bounds[Drive.LIVE], twists=twists, forces=forces, value=value)}))  # fmt: skip
     settlement = np.linspace(0.0, TRAVEL, 100)
@@ -56,13 +56,13 @@ def driven(analysis: LimitAnalysis, twists: np.ndarray, forces: np.ndarray, valu
 
 
 def test_the_speed_of_a_stack_that_tips_is_the_one_that_the_servo_holds() -> None:
-    """Its upper blocks are the faster ones: their mean speed by mass times speed is a fifth above the mean."""
+    """The upper blocks of the stack are faster: the mean speed weighted by mass times speed is 5/16 above the mean weighted by mass."""
     stack = [scenes.box(f"block {k}", (0.0, 0.0, 0.25 * k), (0.5, 0.15, 0.25 * (k + 1))) for k in range(4)]
     analysis = pushed(*stack, friction=0.7)
     bound = analysis.bounds[Drive.LIVE]
     run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
     before = run.record.settlement < run.result.plateau_start
-    run.record.time[~before] += run.record.time[before].max()  # it took twice as long to come to its speed
+    run.record.time[~before] += run.record.time[before].max()  # the run took twice as long to reach its speed
     run.record.time[before] *= 2.0
     found = judged(analysis, run)
     assert named("speed along the load", found).verdict is Verdict.AGREE
@@ -71,7 +71,7 @@ def test_the_speed_of_a_stack_that_tips_is_the_one_that_the_servo_holds() -> Non
 
 @pytest.mark.parametrize("pressed", [False, True], ids=["bare", "under forces that are not pushed"])
 def test_one_of_two_like_columns_may_tip_alone(pressed: bool) -> None:
-    """Both tip under the same multiplier, so no mechanism is the only one."""
+    """Both columns tip under the same multiplier, so the mechanism is not unique."""
     columns = [scenes.box(f"column {k}", (1.2 * k, 0.0, 0.0), (1.2 * k + 0.5, 0.15, 0.7)) for k in range(2)]
     force = scenes.table("[load]", blocks=["column *"], force=(0.0, 0.0, -2000.0))
     analysis = pushed(*columns, *([force] if pressed else []), friction=1.5)
@@ -114,20 +114,20 @@ def test_a_block_that_slides_under_a_live_load_has_the_friction_state_of_its_mul
 def test_the_force_sums_under_a_live_load_are_those_of_equilibrium_at_yades_own_multiplier(
     shares: tuple[float, float, float], verdict: Verdict
 ) -> None:
-    """They grow with the multiplier, which another check compares; what they carry of the weight decides here."""
+    """The force sums grow with the multiplier, which another check compares. Here their share of the weight decides."""
     courses = [scenes.box(f"block {k}", (0.0, 0.0, 0.2 * k), (0.6, 0.15, 0.2 * (k + 1))) for k in range(2)]
     analysis = pushed(*courses, friction=0.35)
     forces = coulomb_of(analysis).forces * shares
     run = driven(analysis, coulomb_of(analysis).twists * analysis.assembly.weight, forces, shares[0] * 0.35)
     (check,) = check_sections(Results(analysis, run))
     assert check.verdict is verdict
-    if verdict is Verdict.DISAGREE:  # the values are those of one cut and axis: here of the weight
+    if verdict is Verdict.DISAGREE:  # the values belong to one cut and axis: here they are weights
         assert check.limit_analysis == pytest.approx(0.5 * analysis.assembly.weight, rel=1e-6)
         assert check.yade == pytest.approx(shares[2] * check.limit_analysis)
 
 
 def test_a_mechanism_per_motion_along_a_live_load_moves_the_pushed_weight_by_one_on_the_mean() -> None:
-    """A dead load that is a force is part of the weight, but it is not pushed; a mass beside the centroid is pushed where it lies."""
+    """A dead load by force is part of the weight, but is not pushed. A mass beside the centroid is pushed at its own place."""
     courses = [scenes.box(f"block {k}", (0.0, 0.0, 0.5 * k), (0.4, 0.15, 0.5 * (k + 1))) for k in range(2)]
     force = scenes.table("[load]", blocks=["block 1"], force=(0.0, 0.0, -3000.0))
     mass = scenes.table("[load]", blocks=["block 1"], mass=50.0, at=(0.2, 0.075, 1.0))
@@ -148,7 +148,7 @@ def test_a_mechanism_against_the_load_has_no_measure_per_power_of_the_load() -> 
 
 
 def twisted(assembly: Assembly, size: float) -> np.ndarray:
-    """Forces (C, 3), N, of two points of one joint along it and against each other: in equilibrium, whatever their size."""
+    """Return forces (C, 3), N: two opposite forces along a joint at two of its points, which are in equilibrium at any size."""
     interface = assembly.points.interface
     pair = np.flatnonzero(interface == interface[0])[:2]
     along = assembly.points.position[pair[1]] - assembly.points.position[pair[0]]
@@ -167,7 +167,7 @@ def test_a_state_that_breaks_the_friction_law_is_seen_although_it_is_in_equilibr
 
 @pytest.mark.parametrize("is_in_balance", [True, False])
 def test_a_state_out_of_equilibrium_does_not_contradict_the_prediction(pads: LimitAnalysis, is_in_balance: bool) -> None:
-    """A level force at a base that does not move aside has no power. A state in balance that breaks the friction law has other friction."""
+    """A horizontal force at a base without horizontal motion has no power. A balanced state beyond the friction cones does contradict."""
     run = perfect_run(pads, reaction=1.1 * pads.bounds[Drive.YIELDING].value)
     force = 0.5 * pads.assembly.mean_weight
     across = np.zeros_like(run.poses.forces[0])
@@ -181,7 +181,7 @@ def test_a_state_out_of_equilibrium_does_not_contradict_the_prediction(pads: Lim
 
 
 def test_the_wrenches_of_a_state_act_where_the_run_has_moved_blocks_and_points(pads: LimitAnalysis) -> None:
-    """A block that has slid and turned over resting pads: each contact point is midway between its places on pad and block."""
+    """A block has slid and turned over pads at rest. Each contact point is midway between its places on pad and block."""
     assembly, run = pads.assembly, perfect_run(pads)
     (block,) = np.flatnonzero(assembly.blocks.free)
     slid, turned = np.array([0.02, 0.0, -0.01]), np.array([0.0, 0.03, 0.0])
@@ -202,7 +202,7 @@ def test_the_forces_of_a_plateau_are_the_mean_of_its_states(pads: LimitAnalysis)
 
 
 def test_joints_that_slide_in_yade_alone_leave_the_mechanism_undetermined(pads: LimitAnalysis) -> None:
-    """Limit analysis modelled friction and found no sliding: YADE's state of friction is then asked for."""
+    """Limit analysis modelled friction and found no sliding. Where joints slide in YADE, YADE's friction state is checked."""
     modelled = pads.with_effects(pads.assembly.effects.with_effect("friction", "coulomb", "the scene says so"))
     run = coulomb_run(pads)
     names = [check.name for check in judged(modelled, run)]
@@ -212,7 +212,7 @@ def test_joints_that_slide_in_yade_alone_leave_the_mechanism_undetermined(pads: 
 
 
 def test_a_mechanism_that_does_the_same_work_but_penetrates_is_another_one() -> None:
-    """A voussoir that also moves into its neighbour across its weight is no mechanism of the arch."""
+    """A voussoir that also moves horizontally into its neighbour belongs to no mechanism of the arch, although the work is the same."""
     arch = analyse(scenes.shipped("arch_spreading"))
     run = perfect_run(arch)
     run.poses.displacement[:, np.flatnonzero(arch.assembly.blocks.free)[3], 0] += 3.0 * run.poses.settlement
@@ -254,12 +254,12 @@ def test_the_state_of_friction_is_known_as_well_as_the_reaction(wall: LimitAnaly
     assert first.tolerance is not None and second.tolerance == pytest.approx(first.tolerance + 5.0)
 
 
-# --- what stands and what falls -----------------------------------------------------------------------------------------------------
+# --- standing and falling structures ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("friction", "verdict"), [(0.0, Verdict.DISAGREE), (0.6, Verdict.INCONCLUSIVE)])
 def test_a_structure_without_friction_that_can_stand_must_stand(friction: float, verdict: Verdict) -> None:
-    """With friction an equilibrium that exists need not be found."""
+    """With friction, a structure may fall although an equilibrium exists."""
     pad = [scenes.box(f"pad {k}", (0.6 * k, 0.0, -0.1), (0.6 * k + 0.4, 0.2, 0.0), role) for k, role in enumerate(("fixed", "support"))]
     analysis = analyse(scenes.build(*pad, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.4)), inset=1e-3, friction=friction))
     found = judged(analysis, perfect_run(analysis, status="collapsed", reaction=math.nan))
@@ -275,13 +275,13 @@ def test_a_fall_after_a_block_that_moved_far_says_that_contacts_may_have_been_mi
 
 
 def test_a_transverse_force_may_miss_its_range_by_a_share_of_the_weight(pads: LimitAnalysis) -> None:
-    """The reaction of a support that leaves alone is 0, while its blocks weigh as much as others."""
+    """A share of the reaction would not do: the reaction is 0 where only the support moves, but the blocks have their weight."""
     check = named("support's force along", judged(pads, perfect_run(pads)))
     assert check.tolerance == pytest.approx(SECTION * pads.scene.weight)
 
 
 def test_a_transverse_force_may_be_as_large_as_friction_under_yades_own_forces_allows() -> None:
-    """A wall on the left: friction of the support may push the block against it, up to mu R. The stated plateau is another reaction."""
+    """Friction of the support may push the block against a wall on the left, by up to mu R. R is of YADE's forces, not the plateau."""
     parts = (
         scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
         scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"),
@@ -307,7 +307,7 @@ def test_an_expected_value_below_zero_is_met_to_a_requested_accuracy_of_its_size
 
 
 def test_the_multiplier_of_the_judged_states_is_the_one_that_acted_on_them() -> None:
-    """It rises over the plateau, and so do the forces: their mean state is in balance under the mean multiplier."""
+    """The multiplier rises over the plateau, and so do the forces. Their mean state is in balance under the mean multiplier."""
     analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.5, 0.15, 0.7)), friction=0.9)
     bound = analysis.bounds[Drive.LIVE]
     run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
@@ -319,7 +319,7 @@ def test_the_multiplier_of_the_judged_states_is_the_one_that_acted_on_them() -> 
 
 
 def test_without_a_plateau_the_last_state_is_judged_under_its_own_multiplier() -> None:
-    """The load still rises: the last stored state is in balance under what acts at the end, and under nothing that acted before."""
+    """The load still rises: the last stored state is in balance under the multiplier at the end, but under no earlier multiplier."""
     analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.5, 0.15, 0.7)), friction=0.9)
     bound = analysis.bounds[Drive.LIVE]
     run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
@@ -344,7 +344,7 @@ def test_without_a_plateau_the_last_state_is_judged_under_its_own_multiplier() -
 def test_the_support_s_force_is_compared_across_its_motion_or_along_all_axes(
     settlement: dict[str, Any], labels: list[str], plane: bool
 ) -> None:
-    """A reaction that is a moment, or the sum of shares of forces, leaves no component out; a plane model has none along y."""
+    """All axes are compared if the reaction is a moment or a sum of shares of forces. A plane model has no force along y."""
     parts = (scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
     scene = scenes.build(*parts, plane=plane, settlement=settlement)
     found = dict(_transverse_directions(scene, plane))

@@ -1,4 +1,4 @@
-"""An expected value that is not met: the next step names the slip where the number tells it."""
+"""Where an expected value is not met and its number shows a known slip, the next step names this slip."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ def box(name: str, role: str, left: float, right: float, bottom: float, top: flo
 
 
 def corbel(inset: float) -> la_core.Scene:
-    """Three blocks of 1 m, each 0.4 m farther out, on a prop under the end of the highest one."""
+    """Return three blocks 1 m long, each shifted by 0.4 m over the one below, with a prop under the end of the highest block."""
     stones = [box(f"stone {k}", "free", 0.4 * k, 1.0 + 0.4 * k, HEIGHT * k, HEIGHT * (k + 1)) for k in range(3)]
     held = [box("ground", "fixed", 0.0, 1.0, -0.2, 0.0), box("prop", "support", 1.6, 1.8, 0.0, 2.0 * HEIGHT)]
     joint = {"friction": FRICTION, "inset": inset}
@@ -48,14 +48,14 @@ def test_a_value_in_another_unit_or_of_another_key_is_recognised(key: str, value
 
 
 def test_a_push_that_is_expected_as_a_positive_reaction_is_recognised() -> None:
-    """The pad rises: by statics it lifts the block with W, and the reaction is that force with a minus."""
+    """The pad rises and lifts the block, with W by statics. The reaction is this force with a minus."""
     lifted = la_core.variant("two_pads", {"settlement.direction": [0.0, 0.0, 1.0]})
     found = step(lifted, {"reaction_over_weight": 1.0})
     assert "seems to have the wrong sign: the reaction is negative here, because the structure holds the support back" in found
 
 
 def test_a_value_of_a_model_that_weighs_a_newton_is_not_said_to_be_in_newtons() -> None:
-    """R and R/W are nearly the same number there."""
+    """R and R/W are nearly the same number for a weight of 1 N."""
     model = la_core.variant("two_pads", {"gravity": [0.0, 0.0, -9.81 / 2158.2]})
     assert model.weight == pytest.approx(1.0)
     assert step(model, {"reaction_over_weight": 1.005 / 6}) == next_steps.CHECK_SOURCE
@@ -73,7 +73,7 @@ def test_an_angle_in_place_of_a_multiplier_is_recognised() -> None:
 
 
 def test_a_value_for_sharp_edges_where_joints_slide_asks_for_the_inset_zero() -> None:
-    """Moments of the two upper blocks about the edge of the lowest one; the stone slides on the prop, whose friction holds it, too."""
+    """By hand: moments of the two upper blocks about the edge of the lowest block. Friction on the prop also holds the sliding stone."""
     by_hand = 2.0 * (1.1 - 1.0) / (0.8 + FRICTION * HEIGHT) / 3.0
     expected = {"reaction_over_weight": by_hand, "kind": "exact"}
     assert step(corbel(0.001), expected) == next_steps.SHARP_EDGES
@@ -90,7 +90,7 @@ def test_a_value_for_sharp_edges_where_joints_slide_asks_for_the_inset_zero() ->
         ("reaction_over_weight", 16.38, ""),
         ("reaction_over_weight", 1.0 + 0.9e-6, "`reaction_max_over_weight`"),
         ("reaction_over_weight", 1.0 + 2e-6, ""),
-        ("reaction_max_over_weight", 1.0 + 2e-6, ""),  # it is not met, and is no other value
+        ("reaction_max_over_weight", 1.0 + 2e-6, ""),  # not met, and not the value of another key
         ("associated_reaction_over_weight", 1 / 6 + 2e-6, ""),
         ("reaction_over_weight", 9.4623, ""),  # degrees whose tangent is 1/6, but nothing tilts
     ],

@@ -1,4 +1,4 @@
-"""Tolerances and what a verdict allows, from plain numbers: units, signs and what a requested accuracy changes."""
+"""Tolerances, and the uncertainty that a verdict allows, from plain numbers: units, signs and the effect of a requested accuracy."""
 
 import re
 from pathlib import Path
@@ -19,7 +19,7 @@ WEIGHT, LENGTH = 2000.0, 0.4  # N, m
 def results(
     reaction: float, uncertainty: float = 0.0, live: bool = False, turns: bool = False, asked: float | None = None, speed: float = 1.0
 ) -> Any:
-    """Results of 100 blocks of 20 N. speed: of the support's fastest contact point per unit settlement, m where it turns."""
+    """Return results of 100 blocks of 20 N. speed: of the support's fastest contact point per unit settlement; m for a turning support."""
     scene = SimpleNamespace(live=object() if live else None, weight=WEIGHT, is_rotation=turns)
     assembly = SimpleNamespace(length=LENGTH, has_live_load=live, support_speed=speed, mean_weight=WEIGHT / 100.0)
     accuracy = None if asked is None else SimpleNamespace(asked=asked)
@@ -62,7 +62,7 @@ def test_the_page_states_the_floor_and_the_tolerances_that_are_no_per_cents() ->
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_floor_is_a_share_of_the_size_of_a_reaction(sign: float) -> None:
-    """A support that pulls has a negative reaction."""
+    """The floor is positive also for a negative reaction, of a support that pulls."""
     assert tolerances.floor(results(sign * 600.0)) == pytest.approx(FLOOR * 600.0)
     assert tolerances.reaction_tolerance(results(sign * 600.0, 2.0), 1.0) == pytest.approx(FLOOR * 600.0 + 3.0)
     assert tolerances.unsure_methods(results(sign * 600.0, 5.9), 5.9) == []
@@ -84,12 +84,12 @@ def test_a_method_may_be_as_uncertain_as_the_accuracy_that_was_asked_for() -> No
     assert tolerances.unsure_methods(results(600.0, asked=0.03), 0.029 * 600.0) == []
     (unsure,) = tolerances.unsure_methods(results(600.0, asked=0.03), 0.031 * 600.0)
     assert unsure.method == "limit analysis" and unsure.allowed == pytest.approx(0.03 * 600.0)
-    assert len(tolerances.unsure_methods(results(600.0, asked=0.001), 0.9 * UNCERTAIN * 600.0)) == 0  # a finer one forbids nothing
+    assert len(tolerances.unsure_methods(results(600.0, asked=0.001), 0.9 * UNCERTAIN * 600.0)) == 0  # a finer accuracy forbids no more
 
 
 @pytest.mark.parametrize("reaction", [1e4, -1e4])
 def test_unbalanced_forces_are_small_beside_the_force_that_a_reaction_stands_for(reaction: float) -> None:
-    """A moment of 10 kN m on a support of 5 m is a force of 2 kN; beside a multiplier, which is no force, only a block's weight counts."""
+    """A moment of 10 kN m on a support of 5 m is a force of 2 kN. A multiplier is no force, so only a block's weight counts beside it."""
     assert tolerances.unbalanced(results(reaction)) == pytest.approx(UNBALANCED * AT_STAKE * 1e4 / 20.0)
     assert tolerances.unbalanced(results(reaction, turns=True, speed=5.0)) == pytest.approx(UNBALANCED * AT_STAKE * 2e3 / 20.0)
     assert tolerances.unbalanced(results(1.0)) == tolerances.unbalanced(results(reaction, live=True)) == UNBALANCED

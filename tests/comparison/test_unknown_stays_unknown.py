@@ -1,4 +1,4 @@
-"""What is undefined in one part of a result is undefined in the whole, and is told as unknown: it is never counted as nothing."""
+"""An undefined part makes the whole result undefined. The report calls it unknown and never counts it as zero."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The verdict of a scene: the most severe check decides, a fall needs a proof, and an expected value a solved answer."""
+"""The verdict of a scene: the most severe check decides, a fall needs a proof, and an expected value needs a solved answer."""
 
 import dataclasses
 import math
@@ -116,7 +116,7 @@ def test_what_several_checks_say_is_said_once() -> None:
 
 @pytest.mark.parametrize(("reaction", "accepted"), [(math.nan, 0.02), (-249.0, 0.02), (1000.0, 0.08)])
 def test_what_is_quasi_static_is_small_beside_a_block_or_beside_the_reaction(reaction: float, accepted: float) -> None:
-    """Blocks of 10 N: an unbalanced force that is nothing beside a reaction of 1 kN."""
+    """For blocks of 10 N, a larger unbalanced force is small beside a reaction of 1 kN."""
     assembly = SimpleNamespace(has_live_load=False, support_speed=1.0, mean_weight=10.0)
     recorded = SimpleNamespace(result=SimpleNamespace(reaction=reaction))
     results: Any = SimpleNamespace(analysis=SimpleNamespace(assembly=assembly), recorded=recorded)
@@ -126,7 +126,7 @@ def test_what_is_quasi_static_is_small_beside_a_block_or_beside_the_reaction(rea
 
 
 def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
-    """Limit analysis proves the fall, YADE ran out of time: nobody disagrees."""
+    """Limit analysis proves the fall, and YADE ran out of time or failed: this is no disagreement."""
     text = find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
     path = tmp_path / "overhang.toml"
     path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
@@ -147,7 +147,7 @@ def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> Non
 
 
 def test_an_expected_value_without_an_answer_asks_for_what_the_answer_lacks() -> None:
-    """A flat arch without a thrust slides down on elastic joints. Its friction law is right, so the source is no help."""
+    """A flat arch without a thrust slides down on elastic joints. Its friction law is right, so the next step asks for a thrust."""
     scene = scenes.load(find("flat_arch").read_text().replace("wedging = 2e-5", ""))
     analysis = analyse(scene)
     (check,) = check_expected(analysis)

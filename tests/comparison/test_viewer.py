@@ -1,4 +1,4 @@
-"""Laws of the interactive view: what it is given is what both methods found, and the page admits its own scripts and nothing else."""
+"""The interactive view receives the results of both methods, and the page admits its own scripts and nothing else."""
 
 import base64
 import hashlib
@@ -26,7 +26,7 @@ from la_core.limit import Drive
 from la_core.measures import joint_forces
 from la_core.scene import GROUND
 
-SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
+SINGLE = 1e-6  # relative round-off of the page's 32-bit numbers
 HOSTILE = "</script><script>alert(1)</script><!-- <b> ]]> {{ 7 * 7 }} \u2028"
 ELEMENT = re.compile(r"<script([^>]*)>(.*?)</script>", re.DOTALL)
 
@@ -50,7 +50,7 @@ def test_the_triangles_enclose_each_block() -> None:
     assert volume == pytest.approx(blocks.volume, rel=100.0 * SINGLE)
     edges = array(data["edges"], "<u4", -1, 2)
     assert np.all(owner[edges[:, 0]] == owner[edges[:, 1]])
-    # Euler: vertices less edges and faces of every block come to 2.
+    # Euler's formula: for every block, vertices less edges plus faces are 2.
     assert len(vertices) - len(edges) + len(blocks.face_block) == 2 * len(blocks)
 
 
@@ -59,7 +59,7 @@ def test_yade_moves_as_it_recorded_from_rest_and_limit_analysis_by_its_mechanism
     data, run, blocks = data_of(found), found.run, len(found.analysis.assembly.blocks)
     limit_analysis, yade = data["methods"]
     shown, recorded = array(yade["settlement"], "<f4", -1), run.poses.settlement
-    kept = np.flatnonzero(np.isin(recorded.astype("<f4"), shown))  # a run that stores many states shows some of them
+    kept = np.flatnonzero(np.isin(recorded.astype("<f4"), shown))  # of many stored states only some are shown
     assert len(kept) == len(shown) == min(len(recorded), viewer.MOST_STATES) and kept[0] == 0 and kept[-1] == len(recorded) - 1
     moved = array(yade["displacement"], "<f4", -1, blocks, 6)
     poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
@@ -172,7 +172,7 @@ def test_the_motion_of_a_pushed_structure_is_enlarged_where_a_run_gives_it_a_siz
 
 
 def page_of(folder: Path, *texts: str) -> str:
-    """A report of so many scenes with these views, "" for none."""
+    """Return the page of a report with one scene for each view, "" for a scene without a view."""
     for number, text in enumerate(texts):
         (folder / f"scene{number}").mkdir()
         if text:

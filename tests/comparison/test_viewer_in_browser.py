@@ -1,4 +1,4 @@
-"""The report's interactive view in a real browser: it turns, moves and shows what it is asked for, quietly and without a network."""
+"""The report's interactive view in a real browser: it turns, moves and shows on request, without errors and without a network."""
 
 import itertools
 import json
@@ -27,7 +27,7 @@ HOSTILE = "</script><script>document.title = 'obeyed'</script><img src=x onerror
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory, cross_checked: Callable[[str], CrossChecked], two_pads: str) -> Path:
-    """A report of two pads by both methods, and of a hostile scene many times over."""
+    """A report of two pads by both methods, and of seven copies of a hostile scene."""
     folder = tmp_path_factory.mktemp("report")
     found = cross_checked("two_pads")
     shutil.copytree(found.folder, folder / "two_pads")
@@ -49,7 +49,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def view(browser: Browser, report: Path) -> Iterator[Browser]:
-    """The page with its first view open; whatever a test does to it, nothing was complained of and nothing asked of a network."""
+    """The page with its first view open. After every test the browser has reported no error and made no request to a network."""
     browser.open(report)
     browser.click(f"{VIEW} summary")
     browser.wait(f"document.querySelector('{CANVAS}')")
@@ -65,13 +65,13 @@ def changed(before: np.ndarray, after: np.ndarray) -> bool:
 
 
 def halves(picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Limit analysis' part and YADE's."""
+    """Return the left half of the picture, of limit analysis, and the right half, of YADE."""
     middle = picture.shape[1] // 2
     return picture[:, :middle], picture[:, -middle:]
 
 
 def place(browser: Browser, across: float, down: float, selector: str = CANVAS) -> tuple[float, float]:
-    """A place in an element, by shares of its width and height."""
+    """Return a place in an element, pixels, from shares of its width and height."""
     x, y, width, height = browser.box(selector)
     return x + across * width, y + down * height
 
@@ -121,7 +121,7 @@ def test_the_settlement_can_be_played(view: Browser) -> None:
     before = view.value(value)
     view.wait(f"{value} > {before}")
     view.click(button)
-    view.wait(f"document.querySelector('{button}').textContent === 'play'")  # a busy browser hears of the click later
+    view.wait(f"document.querySelector('{button}').textContent === 'play'")  # a busy browser receives the click late
     stopped = view.value(value)
     view.picture(CANVAS)  # two frames later
     assert view.value(value) == stopped
@@ -135,7 +135,7 @@ def test_a_click_picks_a_block_or_a_joint_and_a_click_beside_them_nothing(view: 
         middle = place(view, 0.25 + 0.5 * k, 0.4)
         view.drag(middle, middle)
         assert view.value(picked).startswith(f'{method}: block "block", weight ')
-        assert not np.array_equal(view.picture(CANVAS), first)  # its outline
+        assert not np.array_equal(view.picture(CANVAS), first)  # the block's outline is drawn
         left, top, _, _ = view.box(CANVAS)
         pixel = view.value(f"opened[0].frame.pixel(new THREE.Vector3().fromArray(opened[0].methods[{k}].middle.array), {k})")
         mark = left + pixel[0], top + pixel[1]

@@ -1,4 +1,4 @@
-"""Whole curves of both methods are compared as far as both go."""
+"""The curves of both methods are compared up to the end of the shorter one."""
 
 import dataclasses
 import math
@@ -56,7 +56,7 @@ def test_a_path_is_put_to_the_stiffness_of_yades_joints(wall: LimitAnalysis) -> 
 def test_a_path_with_finite_rotations_is_put_to_where_yades_joints_have_released_as_much(
     wall: LimitAnalysis, own: bool, prediction: float, path: float
 ) -> None:
-    """A release comes at a settlement like the root of the sag; the prediction stands for joints 16 times as stiff, but for given ones."""
+    """The settlement of a release grows with the root of the sag. The prediction stands for joints 16 times as stiff, unless given."""
     effects = wall.assembly.effects.with_effect("rotation", "finite", "")
     scene = la_core.variant(wall.scene, {"yade.normal_stiffness": wall.stiffness.normal}) if own else wall.scene
     turning = dataclasses.replace(wall.with_effects(effects), scene=scene)
@@ -81,7 +81,7 @@ def test_curves_are_compared_as_far_as_both_go_and_not_at_all_without_one(wall: 
 
 @pytest.mark.parametrize("stiffness", [0.0, math.nan])
 def test_curves_are_not_compared_where_yades_stiffness_is_undefined(wall: LimitAnalysis, stiffness: float) -> None:
-    """A damaged record; the path cannot be put to the run's settlements, and no warning of a division reaches the user."""
+    """In a damaged record the path cannot be scaled to the run's settlements. No warning of a division reaches the user."""
     run = dataclasses.replace(coulomb_run(wall), settings={"normal_stiffness": stiffness})
     results = Results(wall, run)
     with warnings.catch_warnings():

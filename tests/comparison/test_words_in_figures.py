@@ -1,4 +1,4 @@
-"""Words in figures name what pushes, and keep off lines, frames and each other."""
+"""Words in figures name the load, and cover neither lines, nor frames, nor each other."""
 
 from dataclasses import replace
 from itertools import combinations, pairwise
@@ -29,7 +29,7 @@ from la_core.scene.variants import variant
 
 @pytest.mark.parametrize("kind", ["live", "tilt"])
 def test_a_tilt_has_its_own_words(kind: str, tmp_path: Path) -> None:
-    """The figures of a tilt speak of its angle, those of a live load of that load."""
+    """The figures of a tilt name its angle. The figures of a live load name the load."""
     text = SCENES["live"]
     assert LIVE in text
     scene = scene_of(tmp_path, text.replace(LIVE, "[tilt]\naxis = [0.0, 1.0, 0.0]\n") if kind == "tilt" else text)
@@ -61,7 +61,7 @@ def test_the_power_of_friction_is_told_per_power_of_what_pushes(push: str, expec
 
 @pytest.mark.parametrize(("level", "fits"), [(1.6 * ROW, False), (2.1 * ROW, True)])
 def test_a_label_of_two_rows_needs_room_for_both(level: float, fits: bool) -> None:
-    """Below its line it would reach the axis, and a line above leaves it no room there."""
+    """Below its line the label would reach the axis, and another line leaves no room above."""
     axes = structure.Figure().subplots()
     two_rows = Word(level, level, "prediction\nseveral plateaus", "black", ("prediction",))
     assert write_words(axes, [two_rows], (0.0, 1.0), other=[level + 1.5 * ROW]) == ({"prediction"} if fits else set())
@@ -74,14 +74,14 @@ def test_words_keep_off_lines_and_each_other() -> None:
     def word(low: float, high: float, name: str) -> Word:
         return Word(low, high, name, "black", (name,))
 
-    # Words for "two" fit below it only, for "one" nowhere; the band's stand in its widest gap.
+    # The words of the line "two" fit below it only, and those of "one" nowhere. The words of the band stand in its widest gap.
     lines = [word(0.5, 0.5, "three"), word(0.5 - 0.2 * ROW, 0.5 - 0.2 * ROW, "one"), word(0.5 - 0.4 * ROW, 0.5 - 0.4 * ROW, "two")]
     narrow = word(0.9, 0.9 + 0.9 * ROW, "narrow")
     assert write_words(axes, [*lines, word(0.0, 0.5, "band"), narrow], (0.0, 1.0)) == {"three", "two", "band"}
     at = {text.get_text(): text.xy[1] for text in axes.texts}
     assert at["three"] == 0.5
     assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
-    # The words of the upper line stand below it, for above is no room, and there those of the lower line may not be.
+    # Without room above, the words of the upper line stand below it. The words of the lower line must keep clear of them.
     axes = structure.Figure().subplots()
     upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
     assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
@@ -119,7 +119,7 @@ def test_figures_give_the_lengths_of_a_run_in_mm(tmp_path: Path) -> None:
 
 
 def test_figures_of_a_large_structure_have_no_powers_of_ten(tmp_path: Path) -> None:
-    """A pier of 30 m had a support motion of 2.7e+03 mm and R_max = 5.472e+04 kN."""
+    """The figures of a pier of 30 m once had a support motion of 2.7e+03 mm and R_max = 5.472e+04 kN."""
     large = "".join(
         f'[[block]]\nname = "{name}"\nrole = "{role}"\nbox = {{ from = [{left}, 0.0, {low}], to = [{right}, 20.0, {top}] }}\n'
         for name, role, left, right, low, top in (
@@ -135,7 +135,7 @@ def test_figures_of_a_large_structure_have_no_powers_of_ten(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (5.2e6, -4.5e5, 300.25)])
 def test_numbers_of_the_axes_in_space_tell_apart_and_cover_nothing(shift: tuple[float, float, float]) -> None:
-    """Coordinates of a survey were all 5.2e+06, and long numbers lay on the axis."""
+    """The coordinates of a survey were once all shown as 5.2e+06, and long numbers lay on the axis."""
 
     def moved(*corner: float) -> tuple[float, ...]:
         return tuple(np.add(corner, shift).tolist())
@@ -183,7 +183,7 @@ def test_an_arrow_of_a_load_is_seen_above_the_name_of_its_block() -> None:
 
 
 def test_the_arrow_of_a_push_is_whole_and_lies_on_no_block() -> None:
-    """It is neither on the name of a block nor on a joint that would hide it."""
+    """The arrow lies neither on the name of a block nor on a joint that would hide it."""
     ground = box("ground", (-0.5, 0.0, -0.2), (1.0, 0.3, 0.0), "fixed")
     scene = build(ground, box("block", (0.0, 0.0, 0.0), (0.5, 0.3, 0.7)), live=(-1.0, 0.0, 0.0))
     axes = structure.assembly_figure(scene, assemble(scene)).axes[0]
@@ -194,7 +194,7 @@ def test_the_arrow_of_a_push_is_whole_and_lies_on_no_block() -> None:
 
 
 def test_a_point_that_opens_is_seen_around_one_that_slides(tmp_path: Path) -> None:
-    """Two joints that meet in a corner have contact points in one place; the cross of the one lies within the circle of the other."""
+    """Two joints that meet in a corner have contact points in one place. The cross of one joint lies within the circle of the other."""
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
     solution = analysis.bounds[Drive.YIELDING]
     measures = measure(analysis.assembly, solution.twists, solution.forces)
@@ -221,7 +221,7 @@ def test_a_long_reason_above_a_mechanism_keeps_off_the_heading(name: str) -> Non
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
 @pytest.mark.parametrize("name", ["assembly", "mechanisms", "dissipation"])
 def test_a_figure_that_is_saved_again_is_the_same(name: str, suffix: str, tmp_path: Path) -> None:
-    """The layout of a drawing begins with that of the one before."""
+    """The layout of a drawing begins with the layout of the drawing before, which must not change the figure."""
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
     figure = scene_figures(Results(analysis))[name]()
     first = rendered(figure, suffix)
