@@ -155,7 +155,7 @@ def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that
     assert [case.name for case in found] == [f"two_pads_{key}" for key in ("friction=0.3", "friction=0.6", "inset=0.001", "inset=0.002")]
     assert [case.sweep for case in found] == ["two_pads", "two_pads", "two_pads-2", "two_pads-2"]
     assert found[1].run is found[2].run and len({case.run.name for case in found}) == 3
-    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.001], [0.6, 0.002]]  # values of the scene
+    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.001], [0.6, 0.002]]  # the scene's values
     assert axes(definition, found) == {"joint.friction": [0.3, 0.6], "joint.inset": [0.001, 0.002]}
 
 

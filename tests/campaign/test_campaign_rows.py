@@ -73,7 +73,7 @@ def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp
     row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; tolerance: 0.5 % of 400, and 2
     assert deviation(row) == pytest.approx(1.0)
     assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
-    assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
+    assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # not that of `least`
 
 
 def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_itself(tmp_path: Path) -> None:

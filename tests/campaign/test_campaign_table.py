@@ -138,7 +138,7 @@ def test_no_name_is_a_formula_in_a_spreadsheet(name: str, tmp_path: Path, plain_
 
 
 def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Path) -> None:
-    """pandas makes a frame from the arrays that h5py reads from a group, one array for each column."""
+    """pandas makes a frame from the arrays of a group in h5py, one for each column, so their types must not depend on their values."""
     from pyarrow import parquet
 
     axes: dict[str, list[Any]] = {"joint.friction": [0.3, 1], "effects.plane": ["auto", True]}

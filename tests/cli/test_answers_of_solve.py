@@ -257,7 +257,7 @@ def test_a_greatest_reaction_without_a_limit_is_no_dash() -> None:
     ("keys", "smaller"), [("inset = 0.03", "inset"), ("inset = 0\n[geometry]\ntolerance = 0.01", "inset or tolerance of the geometry")]
 )
 def test_solve_says_that_joints_are_too_short_to_count(keys: str, smaller: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """An inset of 30 mm drops the joint on a third pad of 12 mm, which bears the block at sharp edges. So does a tolerance of 10 mm."""
+    """An inset of 30 mm drops the joint on a pad of 12 mm, on which the block leans with sharp edges. So does a tolerance of 10 mm."""
     third = '[[block]]\nname = "third pad"\nrole = "fixed"\nbox = { from = [0.45, 0.0, -0.1], to = [0.462, 0.2, 0.0] }\n'
     text = shipped.load("two_pads").text.replace("friction = 0.6", f"friction = 0.6\n{keys}")
     (tmp_path / "pads.toml").write_text(f"{text}\n{third}", encoding="utf-8")

@@ -130,7 +130,7 @@ def test_a_home_is_written_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
 
 
 def test_a_home_for_configurations_must_be_a_whole_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """By the XDG Base Directory Specification, any other path counts as unset."""
+    """By the XDG Base Directory Specification, a relative or empty path counts as unset."""
     monkeypatch.setenv("HOME", str(tmp_path))
     for variable in ("relative", ""):
         monkeypatch.setenv("XDG_CONFIG_HOME", variable)

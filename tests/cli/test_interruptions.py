@@ -62,7 +62,7 @@ def test_an_interruption_ends_yade_and_the_next_call_goes_on(
 def test_a_report_tells_an_interrupted_run_of_yade_from_one_that_nobody_asked_for(
     plain_figures: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Earlier results of limit analysis alone do not hide the interruption. Later results of limit analysis alone replace it."""
+    """Earlier results of limit analysis alone do not hide the interruption. Later ones are reported without it."""
     out, scene = tmp_path / "out", str(endless(tmp_path))
     assert main(["run", scene, "-o", str(out), "-q", "--no-yade"]) == 0
     assert stopped_by(signal.SIGINT, out, in_yade(out), 0.3, scene)[0] == INTERRUPTED

@@ -74,7 +74,7 @@ def test_the_path_of_a_scene_in_another_folder_may_lack_its_ending(here: Path) -
 
 
 def test_a_scene_whose_name_is_a_space_is_refused(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Its folder of results, and its row in every table, would seem to have no name."""
+    """The scene's folder of results, and its row in every table, would seem to have no name."""
     (here / " .toml").write_text(shipped.place("two_pads").read_text())
     assert main(["run", " .toml", "--no-yade", "-o", "out"]) == 2
     one_message(capsys.readouterr().err, "more than spaces", "rename the file")

@@ -1,4 +1,4 @@
-"""A command that is refused, or fails, says why in one message and ends with the exit code of that kind."""
+"""A refused or failed command says why in one message and ends with the exit code of its kind."""
 
 import shutil
 from argparse import ArgumentTypeError

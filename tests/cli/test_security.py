@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_what_listens_is_seen() -> None:
-    """The next test could fail: a listening process is seen."""
+    """A process that listens on a port is seen, so the next test could fail."""
     program = "import socket, time; s = socket.create_server(('127.0.0.1', 0)); print(1, flush=True); time.sleep(60)"
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE) as process:
         assert process.stdout is not None and process.stdout.readline()

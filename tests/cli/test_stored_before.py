@@ -61,7 +61,7 @@ def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None)
 
 
 def test_a_report_takes_results_that_do_not_say_why_rotations_are_small(stored: Path) -> None:
-    """Where joints slide, the report gives the reason. Version 0.2.0 had only small rotations and stored no reason."""
+    """Where joints slide, the report gives the reason for small rotations. Version 0.2.0 had no other rotations and stored no reason."""
     before = json.loads((BEFORE / "two_pads" / "comparison.json").read_text(encoding="utf-8"))
     effects = before["effects"] | {"friction": "coulomb", "rotation": "small"}
     assert "rotation" not in effects["reasons"]

@@ -124,7 +124,7 @@ def table_of_changes() -> Table:
 
 @pytest.mark.parametrize("made", [table_of_costs, table_of_sensitivity, table_of_changes])
 def test_markup_stays_text_in_the_tables_of_studies_and_comparisons(made: Callable[[], Table]) -> None:
-    """A bracket in a title once cost a study its measurements of minutes."""
+    """A bracket in a title once lost the results that a study had measured for minutes."""
     console = Console(file=io.StringIO(), width=500, soft_wrap=True, emoji=False)
     show_table(console, made())
     assert MARKUP in console.file.getvalue()  # type: ignore[attr-defined]

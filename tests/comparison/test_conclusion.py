@@ -166,7 +166,7 @@ def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float,
 
 
 def test_how_fast_a_structure_falls_is_not_asked_where_it_fell_in_yade_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The speed needs an optimisation of the whole structure and would not change this verdict."""
+    """The speed of the fall needs an optimisation of the whole structure and would not change this verdict."""
     analysis = analyse(scenes.build(*PIER_AND_PAD, scenes.box("beam", (0.6, 0.0, 0.0), (1.8, 1.0, 0.2))))
     asked: list[Any] = []
     monkeypatch.setattr(run_checks, "falls_slowly", asked.append)

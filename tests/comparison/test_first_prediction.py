@@ -1,4 +1,4 @@
-"""A run of YADE never changes the first answer of limit analysis: no byte differs after a contradiction or after a restored effect.
+"""A run that contradicts the first answer of limit analysis changes no byte of it. A restored effect keeps the first answer, too.
 
 The runs of YADE are made up: they contradict limit analysis wildly, slide where it excludes sliding, or move blocks too far.
 """

@@ -80,7 +80,7 @@ def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_
 def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     wall: LimitAnalysis, stretches: list[tuple[float, float]], level: float, named_stretch: int | None
 ) -> None:
-    """The stretch is long enough for a plateau, ends before the later plateau at 0.3 of the travel, and lies within the tolerance.
+    """A named stretch is long enough for a plateau, ends before the later plateau at 0.3 of the travel, and is within the tolerance.
 
     stretches: begin and end over the travel; level: reaction on the stretches over the prediction.
     """

@@ -71,7 +71,7 @@ def test_figures_of_a_campaign_have_their_own_style(tmp_path: Path) -> None:
 
     def figures() -> dict[str, bytes]:
         folder = comparison.run_campaign(tmp_path / "sweep.toml", tmp_path / next(folders), yade=False, workers=1, quiet=True).folder
-        return {path.name: path.read_bytes() for path in folder.rglob("*.png") if not path.name.startswith("costs")}  # costs are seconds
+        return {path.name: path.read_bytes() for path in folder.rglob("*.png") if not path.name.startswith("costs")}  # their seconds vary
 
     assert is_the_same_in_a_users_style(figures)
 

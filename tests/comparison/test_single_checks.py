@@ -281,7 +281,7 @@ def test_a_transverse_force_may_miss_its_range_by_a_share_of_the_weight(pads: Li
 
 
 def test_a_transverse_force_may_be_as_large_as_friction_under_yades_own_forces_allows() -> None:
-    """Friction of the support may push the block against a wall on the left, by up to mu R. R is of YADE's forces, not the plateau."""
+    """Friction of the support may push the block against a wall on the left by up to mu R. R is that of YADE's forces, not the plateau."""
     parts = (
         scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
         scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"),

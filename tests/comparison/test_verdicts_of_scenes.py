@@ -116,7 +116,7 @@ def test_what_several_checks_say_is_said_once() -> None:
 
 @pytest.mark.parametrize(("reaction", "accepted"), [(math.nan, 0.02), (-249.0, 0.02), (1000.0, 0.08)])
 def test_what_is_quasi_static_is_small_beside_a_block_or_beside_the_reaction(reaction: float, accepted: float) -> None:
-    """For blocks of 10 N, a larger unbalanced force is small beside a reaction of 1 kN."""
+    """For blocks of 10 N, a reaction of 1 kN allows a larger unbalanced force."""
     assembly = SimpleNamespace(has_live_load=False, support_speed=1.0, mean_weight=10.0)
     recorded = SimpleNamespace(result=SimpleNamespace(reaction=reaction))
     results: Any = SimpleNamespace(analysis=SimpleNamespace(assembly=assembly), recorded=recorded)

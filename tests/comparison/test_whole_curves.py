@@ -56,7 +56,7 @@ def test_a_path_is_put_to_the_stiffness_of_yades_joints(wall: LimitAnalysis) -> 
 def test_a_path_with_finite_rotations_is_put_to_where_yades_joints_have_released_as_much(
     wall: LimitAnalysis, own: bool, prediction: float, path: float
 ) -> None:
-    """The settlement of a release grows with the root of the sag. The prediction stands for joints 16 times as stiff, unless given."""
+    """A release's settlement grows with the root of the sag. The prediction is for joints 16 times as stiff, unless the scene sets them."""
     effects = wall.assembly.effects.with_effect("rotation", "finite", "")
     scene = la_core.variant(wall.scene, {"yade.normal_stiffness": wall.stiffness.normal}) if own else wall.scene
     turning = dataclasses.replace(wall.with_effects(effects), scene=scene)
