@@ -14,7 +14,7 @@ from typing import Any, Self
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )  # characters that control a terminal, except tab and new line
-MOST_LISTED, FEW_LISTED = 40, 10  # valid names in a hint: most of a whole list, and first ones of a longer list
+MOST_LISTED, FEW_LISTED = 40, 10  # valid names in a hint: most that it lists in full, and number of the first ones of a longer list
 ON_WINDOWS = (
     "crosscheck does not run on Windows itself; install it in WSL, the Linux within Windows (`wsl --install`), where YADE runs, too: "
     "https://learn.microsoft.com/windows/wsl/install"

@@ -29,7 +29,7 @@ LEAST_INSET = 0.02  # of the scene's
 # Paths of the attempts: viscosities and effort relative to the default, division of the steps. Coarser paths than the default take as
 # long, and may both miss a plateau that the default paths show.
 ATTEMPTS = ((1.0, 1.0, 1.0), (0.1, 4.0, 3.0), (0.01, 16.0, 10.0))
-# Of the sag over the travel: largest change of an answer without history by joints four times softer or stiffer.
+# Largest change of an answer without history by joints four times softer or stiffer, over the ratio of sag to travel.
 ELASTIC_SHARE = 0.03
 HIGH = 1  # attempt of a scene that asks for a high effort
 LEAST_SCALE = 0.01  # of the weight, or a multiplier: errors of smaller answers are relative to this

@@ -152,7 +152,7 @@ def with_rotation_explained(scene: Scene, assembly: Assembly, coulomb: CoulombSo
 
 
 def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolution) -> str:
-    """Effect of turning blocks, in words, as far as a prediction with small rotations knows it.
+    """Effect of turning blocks, in words, as far as a prediction with small rotations shows it.
 
     Changes are in per cent of the value. If the value is too small to be the scale of its changes, they are in its own unit.
     """

@@ -59,8 +59,8 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
     """Solve every drive of every assembly.
 
-    Two drives are solved side by side, each for one assembly after the other, starting near the answer before. A single drive
-    is solved for all assemblies side by side.
+    Two drives are solved side by side. Each is solved for one assembly after the other, and the second solve starts near the answer of
+    the first. A single drive is solved for all assemblies side by side.
     """
     asked, problems = drives(scene), [(assembly, scaled_problem(assembly)) for assembly in assemblies]
     chains = [problems] if len(asked) > 1 else [[problem] for problem in problems]

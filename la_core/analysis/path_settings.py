@@ -10,8 +10,8 @@ from la_core.coulomb import FLAT, STIFFER, CoulombSolution, plateau_of
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # the path's travels until it is flat are a quarter of the run's travel
-# Of the value's size: a curve that stays this near to its end is steady, for any run and for a long one. YADE states an uncertainty of
-# this size for its settings.
+# Of the value's size: a curve that stays this near to its last value is steady; the second number is for a long run. YADE states an
+# uncertainty of this size for its settings.
 STEADY, STEADY_OF_LONG_RUN = 1e-3, 5e-3
 # Of the way so far: a curve that leaves this band for a shorter stretch has only jumped, and is steady for a long run. On a wall of 1,008
 # blocks a jump of 0.0006 travels, at four travels, doubled the time of its run.
@@ -64,7 +64,7 @@ def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
 def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
     """Return the travels, 1, 2, 4 and so on, after which the curve was flat and steady at its last value; the whole path otherwise.
 
-    A path goes on beyond a flat curve where a contact point is about to change its state. YADE need not go so far if the value stayed.
+    A path goes on beyond a flat curve where a contact point is about to change its state. YADE need not go on if the value stays.
     """
     steady = _steady_after(coulomb, analysis.stiffness.travel, STEADY * scale(analysis))
     travels, values = coulomb.path_settlement / analysis.stiffness.travel, coulomb.path_value / scale(analysis)

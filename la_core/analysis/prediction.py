@@ -72,7 +72,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
 
 
 def _explained(model: StructuralModel, answers: Pair) -> Pair:
-    """Return the answers; the reasons of their effects also report the prediction."""
+    """Return the answers; their reason for small rotations also states the effect of turning blocks on the prediction."""
     coulomb = answers[0].coulomb
     return answers if coulomb is None else _with_effects(answers, with_rotation_explained(model.scene, answers[0].assembly, coulomb))
 

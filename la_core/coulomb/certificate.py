@@ -28,7 +28,7 @@ from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
-END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: over those of the path, but at least so many
+END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: share of those of the path, and least number
 END_STEPS = 20  # least number of steps of the last stretch
 LEAST_WORK = 1e-3  # of the weight's power at the support's rate: least power that residuals are relative to
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
@@ -211,7 +211,7 @@ class _Pressed:
     def forces(self, rate: np.ndarray, end: tuple[np.ndarray, float], near: float, held: bool) -> tuple[np.ndarray, float] | None:
         """Forces (P, k) in balance with the least wrong power in a mechanism, near those at the end of the path, and their value.
 
-        The wrong power is the power that vanishes in a limit state. A `held` value is that at the end. None without an answer.
+        The wrong power is the power that vanishes in a limit state. A `held` value is that of the path's end. None without an answer.
         """
         at_end, value = end
         u = (self.kinematics @ rate).reshape(self.count, self.width) + self.motion

@@ -24,19 +24,19 @@ MOST_DOUBLINGS = 6
 ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value
 LAST_VISCOSITY = 1e-6  # after annealing
 # Unknowns of a large structure. Its joints are smooth at first, because their instabilities would take most of the time: a wall
-# of 1,024 blocks took 250 steps to a twelfth of the travel with sharp joints, and 20 to all of it with smooth ones.
+# of 1,024 blocks took 250 steps to a twelfth of the travel with sharp joints, and 20 steps to all of it with smooth joints.
 LARGE = 2500.0
 BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last one as its fourth power
-# Force over which joints part and slip, in mean contact forces: over the first viscosity; at most at the end. The stretch on which they
-# become sharp, over the travel before. On 48 walls of 60 to 160 blocks a force of 30, 3, 0.3 and 0.03 left an error of 5.6, 2.4, 0.8 and
-# 0.3 % in the median. The error falls about as the root of the force, as does that of the law itself.
+# Force over which joints part and slip, in mean contact forces: SMOOTH times the first viscosity, and at most SMOOTH_END at the end. They
+# become sharp on a stretch of SHARPENED times the travel before. On 48 walls of 60 to 160 blocks a force of 30, 3, 0.3 and 0.03 left an
+# error of 5.6, 2.4, 0.8 and 0.3 % in the median. The error falls about as the root of the force, as does that of the law itself.
 SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: largest error of a smooth joint's force
 LESS_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
-NEARLY = 0.01  # of a progress: a path that is short of it by less counts as there
+NEARLY = 0.01  # of a progress: a path that is short of it by less counts as having reached it
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 
 
@@ -196,8 +196,8 @@ def travels(path: QuasiStaticPath, settings: PredictionSettings) -> tuple[float,
     """Least and longest progress of a path. A structure that turns farther has another geometry.
 
     Under a live load both follow from the pace so far. The pace may still change a little, so a path that has nearly come to its least
-    progress counts as there. The longest progress is at least twice the progress at which the viscosity has fallen, because the second half
-    of a curve is judged.
+    progress counts as having reached it. The longest progress is at least twice the progress at which the viscosity has fallen, because the
+    second half of a curve is judged.
     """
     first, least, reached = first_travel(path.joints), least_travel(path.joints), path.last.progress
     if path.joints.turning is None:

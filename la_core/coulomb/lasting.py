@@ -52,7 +52,7 @@ def _until_one_gives_way(joints: ElasticJoints, before: State, last: State) -> f
 
 @dataclass
 class Lasting:
-    """Test whether a certified end lasts: no contact point changes its state before `latest`, or the last change left the value the same.
+    """Test whether a certified end lasts: no contact point changes its state before `latest`, or the last change did not move the value.
 
     Attributes
     ----------

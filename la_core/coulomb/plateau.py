@@ -14,12 +14,12 @@ from la_core.exchange import UNCERTAIN
 FLAT = 5e-4  # of the value: change between the means over two successive stretches of a flat curve
 LEAST = 1e-3  # of the weight, or a multiplier: differences of smaller values are relative to this
 ALIKE = 1e-2  # of the value: plateaus closer than this are one
-# Times its last change: how far a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
+# Largest further change of a curve that is not flat, over its last change. On a wall of 1,024 blocks every doubling of the travel
 # changed the value by about three quarters of the change before; such changes add up to three times the last one.
 UNFINISHED = 3.0
 EARLY = UNCERTAIN  # of the value: largest doubt about a plateau that is reported although the curve leaves it
-LEFT = 3.0  # times the doubt about the best plateau so far: where the doubt is larger, the curve has left it
-TAIL = 0.05  # share of a stretch with its largest, and with its smallest values, left out as stray: a jump is in progress
+LEFT = 3.0  # times the doubt about a plateau: a curve with a larger doubt later on, or whose end is farther away, has left it
+TAIL = 0.05  # share of a stretch with the largest values, and with the smallest, that are left out as stray: a jump is in progress
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ LOCKED_IN = 0.25
 UNKNOWN = 100.0
 # Factor by which the limits of a step are divided on one more path, where the value after a release is uncertain. Such a structure passes
 # many states on its way, and all paths with the usual steps may end in one wrong state. On the wall that led to this rule a factor of
-# 1.3 already showed another state, and 3 led to the value of YADE.
+# 1.3 already showed that this state was wrong, and 3 led to the value of YADE.
 FINER_STEPS = 3.0
 
 

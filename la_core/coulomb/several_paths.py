@@ -16,7 +16,7 @@ SAFETY = 2.0  # times the difference between the two finest paths
 
 
 def joints_of_path(joints: ElasticJoints, number: int, settings: PredictionSettings) -> ElasticJoints:
-    """Joints of a path, counted from 1. Where blocks turn, the axes of a coarse path turn with block a of each joint, not with b.
+    """Joints of path `number`, from 1. Where blocks turn, the axes of a coarse path turn with block a of each joint, not with b.
 
     The paths then show the effect of this choice.
     """

@@ -105,7 +105,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
-    """Whether loaded joints slide in an associated mechanism; False where the support moves alone."""
+    """Whether loaded joints slide in an associated mechanism; False where the support moves alone, or without a solution."""
     if solution.status is not Status.SOLVED or not mechanism.moving(assembly, solution.twists).any():
         return False
     return mechanism.sliding_share(assembly, solution.twists, solution.forces) > ASSOCIATED_SHARE
@@ -119,7 +119,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
         return True, "the blocks do not come to rest on elastic joints", iterations
     end = first_travel(joints)
     path = QuasiStaticPath(joints, tangent, rest, annealed(joints, VISCOSITY))
-    work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # kept: joints that open lose their energy
+    work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # energy at rest: joints that open lose theirs later
     for _ in path.advance_to(end / 2.0):
         pass
     for _ in path.advance_to(end):

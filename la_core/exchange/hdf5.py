@@ -107,7 +107,7 @@ def holds(path: Path, group: str) -> bool:
 
 
 def present(path: Path, fields: tuple[Field, ...]) -> tuple[Field, ...]:
-    """Fields of the given ones that the file has; none where it cannot be read."""
+    """The given fields that the file has; none where it cannot be read."""
     try:
         with _opened(path) as file:
             return tuple(field for field in fields if field.path in file)

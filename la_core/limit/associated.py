@@ -138,8 +138,8 @@ def solve_associated(
     Returns
     -------
     Solution
-        The accepted attempt with the smallest error of its value. Where none is accepted, the attempt with the smallest residuals. Seconds
-        and iterations are sums over all attempts.
+        An INFEASIBLE last attempt; else the accepted attempt with the smallest error of its value; else an UNBOUNDED last attempt; else
+        the attempt with the smallest residuals. Seconds and iterations are sums over all attempts.
     """
     problem = problem or scaled_problem(assembly)
     driven = driven_problem(assembly, problem, drive)

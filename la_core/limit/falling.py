@@ -1,4 +1,4 @@
-"""Fall of a structure that cannot stand: the blocks that fall, and their speed relative to free fall."""
+"""Fall of a structure that cannot stand: the blocks that fall, and the acceleration over free fall."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
     """Names of the blocks that sink, or tip over, in a motion (B, 6) of order one; empty where the weights do no positive work.
 
-    A block counts where any part of it sinks: the lower stones of a corbel tip with it although their centroids rise.
+    A block counts where any part of it sinks: the lower stones of a corbel tip with the corbel although their centroids rise.
     """
     power, weight = np.sum(assembly.dead_load * twists, axis=1), assembly.block_weight
     if not power.sum() > LEAST_FALL * assembly.weight:

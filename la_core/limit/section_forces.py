@@ -60,7 +60,7 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
         optimum_value = float(power @ answer.x) * assembly.weight
         bound = {ProgrammeOutcome.OPTIMUM: optimum_value, ProgrammeOutcome.EMPTY: -np.inf}.get(answer.outcome, np.nan)
         ends.append(sign * bound)
-    # The dislocation moves the support, so the ends bound the force on the support; the signs turn it into the force on the structure.
+    # The dislocation moves the support, so the ends bound the force on the support. The signs turn them into bounds for the structure.
     return -ends[1], -ends[0]
 
 

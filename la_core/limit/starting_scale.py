@@ -1,7 +1,7 @@
 """Scale of the rows of a programme, from which the conic solver starts nearer to its answer.
 
 The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone do not change the
-cone. They change only the start, and the choice of the solver where several answers are possible.
+cone. They change only the start and, where several answers are possible, the answer that the solver returns.
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 
 A bound is a convex programme. The mirror image of an admissible motion is admissible and has the same power, and so has
 the mean of both. Some best motion is therefore symmetric, and so are some best forces. A symmetric motion has one unknown
-for all unknowns that are images of each other. A contact point and its images have the same
-cone conditions. One of these is enough, and its multiplier is the sum of the multipliers of all.
+for all unknowns that are images of each other. A contact point and its images have the same cone conditions. One of
+these is enough, and its multiplier is the sum of the multipliers of all.
 """
 
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ class SymmetricPart:
     def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> ProgrammeAnswer:
         """Return the answer of the whole problem from that of the symmetric motions.
 
-        Each contact point gets the mean, over the images, of the forces that they bring there from the kept points.
+        The force at each contact point is the mean, over the images, of the forces mapped there from the kept points.
         """
         multipliers = np.zeros(len(self.kept))
         multipliers[self.kept] = answer.multipliers

@@ -37,7 +37,10 @@ class JointForces:
 
 
 def joint_forces(assembly: Assembly, forces: np.ndarray) -> JointForces:
-    """Sum contact forces (C, 3), N on block b, over each interface; NaN in all measures of an interface where a force is NaN."""
+    """Sum contact forces (C, 3), N on block b, over each interface.
+
+    The sums of an interface are NaN where one of its forces is NaN. The centre of pressure leaves such a contact point out.
+    """
     interfaces, points = assembly.interfaces, assembly.points
     force = np.zeros((len(interfaces), 3))
     np.add.at(force, points.interface, forces)
@@ -110,8 +113,8 @@ def friction_used(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
 def eccentricity(assembly: Assembly, centre: np.ndarray) -> np.ndarray:
     """Relative eccentricity (I,) of the centre of pressure: 0 in the middle of the interface, 1 at its edge, NaN without compression.
 
-    The middle is the centroid of the interface, and the edge is the edge beyond the centre of pressure. The middle third of a rectangle
-    ends at 1/3. centre: centres of pressure (I, 3), m.
+    The middle is the centroid of the interface. The edge is the one beyond the centre of pressure. The middle third of a rectangle ends
+    at 1/3. centre: centres of pressure (I, 3), m.
     """
     interfaces = assembly.interfaces
     ring, corner = owners(interfaces.polygon_start), interfaces.polygon

@@ -96,7 +96,7 @@ def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
 
 
 def friction_power(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power of friction, sum of mu n |u_t|, of contact forces (C, 3), N, in a mechanism with twists (B, 6); 0 if no loaded one slides."""
+    """Power of friction, sum of mu n |u_t|, of contact forces (C, 3), N, in a mechanism with twists (B, 6); 0 if no loaded joint slides."""
     _, sliding = contact_speeds(assembly, twists)
     compression = np.maximum(assembly.split(forces)[0], 0.0)
     return float(np.sum(assembly.points.friction * compression * sliding))

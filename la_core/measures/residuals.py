@@ -1,6 +1,6 @@
 """Residuals of contact forces and mechanisms, recomputed from the answer and independent of the solver.
 
-Residuals of undefined forces or twists are NaN. The maximum is numpy's, which keeps a NaN; Python's may lose it.
+Residuals of undefined forces or twists are NaN. The maximum is NumPy's, which keeps a NaN; Python's may lose it.
 """
 
 import numpy as np
@@ -46,7 +46,7 @@ def power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarr
 
 
 def most_power_of_unbalanced(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Estimate, on the safe side, of the error of a value without dilatancy from unbalanced forces; infinite where it is unknown.
+    """Cautious estimate of the error of a value without dilatancy from unbalanced forces; infinite where it is unknown.
 
     A force that presses on a sliding joint also changes its friction. The wrench of a block is therefore multiplied by the block's own
     speed, or by 1 + mu times the fastest slip at its joints, whichever is larger. Parameters and unit are those of `power_of_unbalanced`.

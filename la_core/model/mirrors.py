@@ -43,7 +43,7 @@ class Image:
 def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
     """Find the mirrors of a structure.
 
-    Loads, the motion of supports, and the blocks of each contact point are not compared here. The caller compares them by velocities.
+    Loads, the motion of supports, and the blocks of each contact point are not compared here. The caller compares them.
 
     Parameters
     ----------

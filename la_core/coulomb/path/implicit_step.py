@@ -18,7 +18,7 @@ from la_core.coulomb.path.tangent import LearningTangent, Solve, Tangent
 # tolerance would press unloaded joints so much that they jam under a large friction coefficient.
 TOLERANCE = 1e-9
 LEAST_TOLERANCE = 1e-12  # of the weight: round-off of large structures
-# Times the tolerance: the best iterate up to LOOSE is accepted after STALLED iterates that are no better, because contact points then
+# Times the tolerance: a best residual up to LOOSE is accepted after STALLED iterates that are no better, because contact points then
 # chatter. Where the best residual is larger, the iteration mostly runs in a circle, and ends after LOST worse iterates.
 LOOSE, STALLED, LOST = 1e3, 2, 4
 MOST_ITERATIONS = 20  # new tangents of a step
@@ -194,7 +194,10 @@ class _Balance:
         return self.joints.displacement(unknowns[: len(self.joints.weights)], self.target.support)
 
     def _unbalanced(self, unknowns: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """Forces that contact forces (C, k) leave unbalanced; then, under a live load, the displacement that is missing along it."""
+        """Forces on the free blocks left unbalanced at `unknowns`; then, under a live load, the displacement still missing along it.
+
+        force: contact forces (C, k).
+        """
         joints, live_at = self.joints, self.target.live_at
         blocks = unknowns[: len(joints.weights)]
         rest = joints.unbalanced(force) - self.drag * joints.mass * (blocks - self.before.blocks)

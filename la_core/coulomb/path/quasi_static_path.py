@@ -161,7 +161,7 @@ class QuasiStaticPath:
 
     @property
     def pace(self) -> float:
-        """Displacement of the fastest block over the progress, at least 1: under a live load YADE's travel limits it. 1 otherwise."""
+        """Displacement of the fastest block, which the travel limits in YADE, over the progress, at least 1; 1 without a live load."""
         if not self.joints.live or self.last.progress == 0.0:
             return 1.0
         moved = twists_of(self.joints.assembly, self.last.blocks - self._rest_blocks)[:, :3]
