@@ -280,7 +280,7 @@ def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.nd
         held.setdefault(k, []).append(j)
         holders.setdefault(j, set()).add(k)
     mask = np.zeros(len(area), dtype=bool)
-    for k in sorted(held, key=lambda k: float(area[k])):  # the smallest first: a contour is no stone in a larger one, but its stones are
+    for k in sorted(held, key=lambda k: float(area[k])):  # the smallest first: a contour does not fill a larger contour, but its stones do
         stones = {j for j in held[k] if not mask[j]}
         some = [j for j in stones if stones.isdisjoint(holders.get(j, ()))]  # an outline within a stone fills no further area
         alike = [j for j in some if outlines[j].place == outlines[k].place]

@@ -43,7 +43,8 @@ class Curves:
 def with_points(line: np.ndarray, points: np.ndarray, snap: float, curves: Curves, lone: np.ndarray | None = None) -> np.ndarray:
     """A line (n, 2) with the points (m, 2) that lie on its chords inserted as corners.
 
-    Points in the mask `lone` (m,), by default all, are inserted on curves only. To a straight line, the point's own line is extended.
+    Points in the mask `lone` (m,), by default all, are inserted on curves only: near a straight line, the line that ends in such a point
+    is extended instead.
     """
     lone = np.ones(len(points), dtype=bool) if lone is None else lone
     point, chord, share = _places_on(line, points, snap, curves, lone)

@@ -67,7 +67,7 @@ def areas_without_outline(
 
 
 def _lengths_along(areas: Sequence[np.ndarray], lines: Sequence[np.ndarray], snap: float) -> np.ndarray:
-    """Length (areas,) of the part of each area's edge that runs along lines (n, 2), to within twice `snap` (m); m."""
+    """Length (areas,), m, of the part of the edge of each area (n, 2) that runs along lines (n, 2), to within twice `snap` (m)."""
     if not areas:
         return np.zeros(0)
     sides = strings_of([side for area in areas for side in np.stack([area, np.roll(area, -1, axis=0)], axis=1)])

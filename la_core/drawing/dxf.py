@@ -237,7 +237,7 @@ def _spline_chords(spline: Any, motion: Any, sagitta: float) -> tuple[float, np.
 
 
 def _span(curve: Any, start: float, end: float, finest: float, count: int) -> np.ndarray:
-    """Points (n, 2) of a spline at equal steps between two knots. They have at least `count` chords, which stay within `finest` of it."""
+    """Points (n, 2) of a spline at equal steps between two knots. Their chords, at least `count`, stay within `finest` of the spline."""
     while True:
         weighted = curve(np.linspace(start, end, 2 * count + 1))
         points = weighted[:, :2] / weighted[:, 2:]

@@ -1,9 +1,9 @@
 """Division of a profile that is not convex into convex parts.
 
 A straight cut leads from a corner that turns inwards to another corner or to an edge. The first corner then turns
-inwards on neither side of the cut. The shortest of these cuts is taken; a cut that ends at a second inward corner
-counts half its length. Both sides are divided further. Every cut removes an inward corner and makes none, so the
-division ends.
+inwards on neither side of the cut. The shortest of these cuts is taken. A cut counts half its length if it ends at a second
+inward corner and that corner, too, then turns inwards on neither side. Both sides are divided further. Every cut removes
+an inward corner and makes none, so the division ends.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ MOST_AT_A_TIME = 1_000_000  # rays times edges that are computed together, to sa
 
 
 def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
-    """Convex parts (m, 2) of a simple profile (n, 2) whose corners turn to the left; a convex profile is its own part.
+    """Convex parts (m, 2) of a simple, counter-clockwise profile (n, 2); a convex profile is its own part.
 
     Raises ValueError for a profile that cannot be divided.
     """
@@ -79,7 +79,10 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
 
 
 def _resolves(points: np.ndarray, inward: np.ndarray, corner: int, end: np.ndarray) -> bool:
-    """Whether a cut from a corner ends at an inward corner (2,) that it leaves inward on neither side. Otherwise a sliver is left there."""
+    """Whether a cut from a corner ends at an inward corner, `end` (2,), and leaves that corner inward on neither side.
+
+    A corner that stays inward needs another cut, which takes a sliver off.
+    """
     for met in inward[(points[inward] == end).all(axis=1)].tolist():
         arm, edge_in, edge_out = points[corner] - end, end - points[met - 1], points[(met + 1) % len(points)] - end
         slack = FLATNESS * np.ptp(points, axis=0).max()

@@ -74,7 +74,7 @@ def _are_among(pairs: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _shared_box(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bounding box, as two corners (P, 3), m, of the pieces of edges of each block of a pair within the other; infinite without pieces."""
+    """Bounding box, as two corners (P, 3), m, of the pieces of edges of each block of a pair in the other block; infinite without any."""
     low, high = np.full((len(pairs), 3), np.inf), np.full((len(pairs), 3), -np.inf)
     for two in (pairs, pairs[:, ::-1]):
         row, ends = _edges_within(parts, two, tolerance)

@@ -81,7 +81,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
 def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     """Join interfaces that lie side by side on one plane between the same two blocks, where the joined interface is convex.
 
-    tolerance: (I,), largest distance of such interfaces, m. Only compound blocks have them, because their parts divide their faces.
+    tolerance: (I,), largest distance between such interfaces, m. Only compound blocks have them, because their parts divide their faces.
     """
     offset = np.sum(found.polygon[found.polygon_start[:-1]] * found.normal, axis=1)
     groups: dict[tuple[int, int], list[int]] = {}
@@ -110,9 +110,10 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
 
 
 def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, list[int]]:
-    """Corners (n, 3), m, of the union of the first of several polygons on one plane with those connected to it, and their indices.
+    """Corners (n, 3), m, of the union of the first of several polygons on one plane and the polygons connected to it.
 
-    Where the union is not convex, the corners are those of the first polygon, and there are no indices.
+    Also returns the indices of all polygons in the union. Where the union is not convex, returns the corners of the first polygon and no
+    indices.
     """
     (first,), (second,) = plane_axes(normal[None])
     origin = corners[0][0]
@@ -202,7 +203,10 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
 
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
-    """A sentence about the nearest pair of a block in `some` and one in `others` (indices): their gap, and how to close a mortar joint."""
+    """A sentence about the nearest pair of a block in `some` and one in `others` (indices), with their gap.
+
+    For a gap of at most MOST_MORTAR, the sentence also says how to close it.
+    """
     one, near, gap = _nearest(blocks.parts, *(np.flatnonzero(np.isin(blocks.part_block, group)) for group in (some, others)))
     told = f'"{blocks.names[blocks.part_block[near]]}" is nearest to "{blocks.names[blocks.part_block[one]]}"'
     if gap <= NO_GAP:

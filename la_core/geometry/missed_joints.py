@@ -1,4 +1,4 @@
-"""Missing joints between faces that nearly touch, as faces do where coordinates have too few digits."""
+"""Missing joints between faces that nearly touch, for example because coordinates have too few digits."""
 
 from dataclasses import dataclass
 

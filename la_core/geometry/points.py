@@ -131,7 +131,7 @@ def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
 
 
 def _depths(interfaces: Interfaces) -> np.ndarray:
-    """Depth (I,) of each interface of a plane structure along y, m, along which YADE and the check in space place points, too."""
+    """Depth (I,) of each interface of a plane structure along y, m. YADE and the check in space place points along the depth, too."""
     start, across = interfaces.polygon_start[:-1], interfaces.polygon[:, 1]
     return np.maximum.reduceat(across, start) - np.minimum.reduceat(across, start)
 

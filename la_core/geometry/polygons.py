@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 
-ROUND_OFF = 1e-9  # of the perimeters of two polygons together
+ROUND_OFF = 1e-9  # of the sum of the perimeters of two polygons
 
 
 def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Search for touching faces of blocks, which interfaces, contacts at edges and areas of joints share."""
+"""Search for touching faces of blocks. Interfaces, contacts at edges and areas of joints share this search."""
 
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary

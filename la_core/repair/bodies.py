@@ -57,9 +57,10 @@ class _Face:
 
 
 def without_bent_faces(shape: Shape, tolerance: float) -> Shape:
-    """Return a convex body with plane faces; without a tolerance (m) or without triangles, return the body unchanged.
+    """Return a convex body with plane faces, for a convex body whose corners are right to the tolerance (m).
 
-    Inexact corners split a face into triangles. A body without triangles keeps the facets of its curves.
+    With a tolerance of 0, or without triangles, the body is returned unchanged. Inexact corners split a face into triangles. A body without
+    triangles keeps the facets of its curves.
     """
     return with_plane_faces(shape, tolerance) if tolerance > 0.0 and any(len(face) == 3 for face in shape.faces) else shape
 

@@ -50,7 +50,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     Raises
     ------
     SceneError
-        A corner would move too far, or nothing would be left of a block.
+        The surface of a block would move too far, or nothing would be left of a block or of a part that is cut.
     """
     # Round-off grows with the distance from the origin, which may be large in the national grid of a survey.
     origin = FAR * np.round(np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0) / FAR)

@@ -14,7 +14,7 @@ from la_core.repair.facing import Facing, face_areas
 
 OWN_CORNERS = 1e-3  # weight of the corners of the faces over the points half way: they decide the plane where an overlap is only a strip
 ROUNDS = 3  # a pair refused at first may fit once its groups have grown
-SAME_ANGLE = 0.01  # rad: pairs whose angles differ by less are ordered by the area of their overlap
+SAME_ANGLE = 0.01  # rad: step of the angles by which pairs are ordered; pairs in one step are ordered by the area of their overlap
 
 
 @dataclass

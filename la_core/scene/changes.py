@@ -69,7 +69,7 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Rows on faces moved and corners cut off within the tolerance; where nothing was moved, one row says so."""
+    """Rows on faces moved and corners cut off within the tolerance; where nothing was moved or cut, one row says so."""
     if made_convex := repairs.get("made_convex"):  # files of earlier versions lack it
         yield "bodies of meshes made convex within the tolerance", str(made_convex)
     allowed = f"within {1e3 * repairs['tolerance']:.3g} mm"

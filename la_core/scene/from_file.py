@@ -53,7 +53,7 @@ THICKNESS = 0.4  # m, a guess, because a drawing gives no thickness
 TOLERANCE = 0.003  # m
 SHORTEST, LONGEST = 0.05, 2.0  # m: the lengths of most blocks lie between
 LARGEST_SIZE = 500.0  # m: a structure with a larger size is probably drawn in mm
-WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: blocks farther apart than the first have no joint; blocks closer than the second touch
+WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: blocks farther apart have no joint; blocks closer than the second value touch
 WEDGE = 1.3  # greatest width of a wedge-shaped joint over its width at the narrow end
 SHARE_OF_JOINTS = 0.3  # least share of neighbours with open joints in a drawing with open joints
 FARTHEST = 1000.0  # m: coordinates beyond this are shifted to the origin, because round-off grows with the distance
@@ -194,7 +194,7 @@ def _content(source: Path) -> bytes:
 
 
 def _unit(suffix: str, content: bytes) -> tuple[str, str]:
-    """Unit of a drawing ("" for a unit without a name), and the reason to guess it ("" for none): mm beyond a size of 500, else m."""
+    """Unit of a drawing ("" for one without a name), and why it is a guess ("" if it is none): mm for a size above 500 units, else m."""
     try:
         metres = read_outlines(suffix, content, None, CURVE).unit
         return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), ""
@@ -235,7 +235,7 @@ def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     table = Mesh(file=str(place))
     files = read_files(table, folder)
     scale = 1e-3 if extent(table, files) > LARGEST_SIZE else 1.0
-    bodies = mesh_blocks(Mesh(file=str(place), scale=scale), files, MOST_DENT)  # fills dents that a larger tolerance would fill
+    bodies = mesh_blocks(Mesh(file=str(place), scale=scale), files, MOST_DENT)  # fills more dents, as a larger tolerance would
     vertices = np.concatenate([body.shape.vertices for body in bodies])
     lists = {key: [body.name for body in bodies if _list_of(body.name) == key] for key in ("ground", "support")}
     rows = ["[[mesh]]", f"file  = {_quoted(str(place))}", f"scale = {scale:g}   # metres per unit, CHECK: 0.001 for mm"]

@@ -17,7 +17,7 @@ _ENDINGS = {**dict.fromkeys(_MESHES, "a mesh"), **dict.fromkeys((*DRAWING_FORMAT
             **dict.fromkeys(_PICTURES, "a drawing or a picture"), **dict.fromkeys(_SHEETS, "a spreadsheet"),
             ".json": "a JSON file"}  # fmt: skip
 _NUMBER = r"=\s*([-+]?[\d.]+)\s*"
-_BEFORE = r"[=\[,]\s*[-+]?"  # precedes a number
+_BEFORE = r"[=\[,]\s*[-+]?"  # the characters before a number
 _OUTSIDE = r"""(?:[^"'#]|"[^"]*"|'[^']*')*"""  # start of a line up to a comment; a # in quotes begins no comment
 _SLIPS = (  # patterns of lines that are not valid TOML, each with its hint; the first match counts
     (r"=[^\"'#]*[“”„«»‘’]", 'write text in straight quotes, as in "text"; word processors make curved ones of them'),
@@ -80,7 +80,7 @@ def _refuse_other_texts(content: bytes, path: Path) -> None:
 
 
 def _refuse_other_kinds(path: Path) -> None:
-    """Raise SceneError for a mesh, a drawing, a picture or a spreadsheet in place of a scene; the hint tells how to get a scene."""
+    """Raise SceneError for a mesh, drawing, picture, spreadsheet or JSON file in place of a scene; the hint tells how to get a scene."""
     ending = path.suffix.lower()
     kind = _ENDINGS.get(ending)
     if kind is None or not path.is_file():

@@ -99,9 +99,9 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     Notes
     -----
     The changes are appended to the title, unless `changes` has a title. `source` and [expected] belong to the original scene. They are
-    deleted, unless `changes` gives new ones, or affects only words, `accuracy`, `effort` and settings in [yade] that do not change limit
-    analysis. A change of one expected value keeps the others, except those by the associated flow rule: each of these is deleted unless
-    `changes` names it, too.
+    deleted, unless `changes` gives new ones, or affects only the title, project, author, date, `accuracy`, `effort` and settings in [yade]
+    that do not change limit analysis. A change of one expected value keeps the others, except those by the associated flow rule: each of
+    these is deleted unless `changes` names it, too.
 
     Examples
     --------
@@ -136,8 +136,8 @@ def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene
 def full_model(scene: Scene) -> Scene:
     """The scene with every effect modelled, and with FULL_SUFFIX in its name.
 
-    A requested associated or no-sliding law stays. The requested rotations stay, too, because they decide at which settlements the
-    answer is stated.
+    A requested associated or no-sliding law stays. The requested `rotation` stays, too, because it decides for which
+    settlements the answer holds.
     """
     law, rotation = scene.effects.friction, scene.effects.rotation
     effects = EVERY_EFFECT | {"rotation": rotation} | ({"friction": law} if law in ("associated", "none-slides") else {})

@@ -9,7 +9,7 @@ from la_core.errors import SceneError
 from la_core.scene.schema.masonry import ROUND, Opening
 
 CROWN = 0.5  # of an arch's thickness: least height of the key above the intrados
-WITHIN = 0.9  # of half the key's width: where a radial joint ends farther out, the key has equal parts, because a sliver would be left
+WITHIN = 0.9  # of half the key's width: a radial joint that ends farther out would leave a sliver, so the key's top is divided equally
 Span = tuple[float, float]  # from, to along the wall, m
 Cut = tuple[Span, Span]  # stretches of a course that an arch takes up: at the foot and at the head of the course
 Corner = tuple[float, float]  # along the wall and above its foot, m

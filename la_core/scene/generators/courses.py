@@ -123,7 +123,7 @@ class Face:
         return first, past
 
     def _line_at(self, z: float, where: str, corners: object) -> int:
-        """Number of the course line at a height (m); -1 below the wall, number of courses above it; raises SceneError between lines."""
+        """Number of the course line at a height (m); -1 below the wall, `courses` above the wall; raises SceneError between lines."""
         step = self.lines[1]
         if abs(z - self.lines[-1]) > ON_LINE * step and not self.lines[0] - ON_LINE * step <= z <= self.lines[-1]:
             return -1 if z < 0.0 else self.courses

@@ -34,7 +34,7 @@ from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 from la_core.text_table import place_text
 
 LAYER, COLOUR = "layer:", "colour:"
-IN_OPENINGS = 0.8  # of the area of an outline: an outline with a larger part in openings is a pane or a frame, and no block
+IN_OPENINGS = 0.8  # of the area of an outline: an outline with at least this part in openings is a pane or a frame
 TOLD, REFUSED = 0.1, 0.5  # of an opening's area: a larger part under blocks brings a warning, or an error
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
@@ -48,14 +48,14 @@ class DrawnBlocks:
     file : str
         Path of the drawing.
     unit : float
-        Unit of the drawing, m.
+        Length in the structure of one unit of the file, m.
     blocks, compounds : int
         Number of blocks, and number of blocks that are not convex.
     openings : int
         Number of outlines in which nothing is built.
     doubles, specks, loose_lines, straightened, in_openings : int
-        Numbers of outlines drawn twice, outlines without area, lines that enclose nothing, outlines made convex within the
-        tolerance, and outlines that lie in an opening. All but the straightened outlines are left out.
+        Numbers of outlines drawn twice, outlines without area or thinner than the tolerance, lines that enclose nothing or repeat edges,
+        outlines made convex within the tolerance, and outlines in an opening. All but the straightened outlines are left out.
     open_outlines : tuple of OpenOutline
         Loose lines that were probably meant to be outlines, with their places in the scene.
     stray_lines : tuple of LayerCount
@@ -67,7 +67,7 @@ class DrawnBlocks:
     covered : tuple of LayerCount
         Openings that blocks cover in part; the blocks stay whole.
     ignored : dict of int
-        Number of entities of each kind that are no outlines, such as texts.
+        Number of entities that are not read, such as texts, by kind.
     loose_edges : tuple of LayerCount
         Loose lines that may be edges of stones: both ends meet other lines, or nearly meet them.
     areas_without_block : tuple of LayerCount

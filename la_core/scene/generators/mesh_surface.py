@@ -187,7 +187,7 @@ def _exact_or_surveyed_prism(vertices: np.ndarray, triangles: np.ndarray, faces:
 
 
 def _prism(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray], tolerance: float = 0.0) -> Shape | None:
-    """The body as a prism, else None: faces in two parallel planes fill the same outline without holes; other corners lie on its edges.
+    """The body as a prism, else None: faces in two parallel planes fill the same outline without holes; other corners lie on the sides.
 
     tolerance: largest error of the coordinates, m. A corner of an end lies within twice the tolerance of the plane that fits the ends
     best, and of the corner at the other end, because both may be wrong by the tolerance.
@@ -254,7 +254,7 @@ def _mean_outline(ends: list[shapely.Polygon], tolerance: float) -> shapely.Poly
 def _divided(outline: shapely.Polygon, axes: np.ndarray, normal: np.ndarray, heights: tuple[float, float], slack: float) -> Shape:
     """The prism of an outline in the plane of two axes (2, 3) between two heights along their unit normal (3,), m.
 
-    Inexact coordinates make slight dents at corners of straight edges, and from such a dent no cut may lead. Where the outline cannot be
+    Inexact coordinates make slight dents at corners of straight edges, from which a cut may be impossible. Where the outline cannot be
     divided, these corners are left out, as long as the outline moves by no more than the slack, m.
     """
     points, (low, high) = shapely.get_coordinates(orient(outline).exterior)[:-1], heights

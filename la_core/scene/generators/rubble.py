@@ -61,7 +61,10 @@ class _Diagram:
         return cells
 
     def joints(self, stretch: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Edges of the points' cells: points (J, 2) on both sides, corners (J, 2) at both ends, lengths (J,) without the stretch, m."""
+        """Edges of the points' cells, with their lengths (J,) without the stretch, m.
+
+        Returns the indices of the points (J, 2) on both sides, the indices of the corners (J, 2) at both ends, and the lengths.
+        """
         sites, ends = self.voronoi.ridge_points, np.array(self.voronoi.ridge_vertices)
         own = (sites < len(self.points)).any(axis=1)
         sites, ends = sites[own], ends[own]

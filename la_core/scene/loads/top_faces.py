@@ -9,8 +9,8 @@ from scipy.sparse.csgraph import connected_components
 from la_core.geometry import Blocks, face_corners, face_polygons, near_parts, opposite_faces, overlap_of, plane_axes, polygons_of
 
 UPWARD = 0.1  # least z of the normal of a top face; the extrados of an arch carries its fill down to steep flanks
-STEEPEST = 1e-3  # least z of the normal of a flank in place of a top face: the lowest voussoir of a semicircular arch of 1,500
-COVERED = 0.9  # of the area of a face: a face that other blocks cover to a larger share is a joint
+STEEPEST = 1e-3  # least z of the normal of a flank that replaces a top face, as at the foot of a semicircular arch of 1,500 voussoirs
+COVERED = 0.9  # of the area of a face: a face that other blocks cover to at least this share is a joint
 OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: greatest angle and gap between faces of a joint, for typed coordinates
 ROUND_OFF = 1e-9  # of the extent of the faces: lines this close to an edge lie on it
 LAST_DIGITS = 1e-14  # of the largest coordinate: round-off of double precision after a few operations
@@ -94,7 +94,7 @@ def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: flo
     every = np.argsort(low, kind="stable")
     reached = _reached(high[every], np.zeros(len(low), dtype=int), length)
     shared = np.minimum(high[every], reached) - low[every]
-    crossed = (shared > 0.0) & (shared <= SHORTEST * reach)  # at a joint: it would count twice, and many would add up
+    crossed = (shared > 0.0) & (shared <= SHORTEST * reach)  # strips at joints: they would count twice, and add up
     low[every[crossed]] = reached[crossed]
     return row, low, high, float(shared[shared > SHORTEST * reach].sum())
 

@@ -122,9 +122,9 @@ class Zone(Table):
 class Settlement(Table):
     """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of this motion.
 
-    Each `zone` gives the share of its supports. Or a `profile`, such as a trough, gives the share by place: supports then turn, too, each
-    about its top. The reaction is the force that does work on the settlement: for two supports with the ratios 1 and 0.5, it is the force
-    of the first plus half the force of the second.
+    Each `zone` gives the share of its supports. A `profile`, such as a trough, gives this share by place instead: supports then
+    turn, too, each about its top. The reaction is the force that does work on the settlement: for two supports with the ratios 1 and 0.5,
+    it is the force of the first plus half the force of the second.
     """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
