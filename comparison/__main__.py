@@ -36,7 +36,7 @@ def main() -> int:
 
 
 def _open_closed_streams() -> None:
-    """Open the null device for each closed standard stream: else a file of results gets its number, and the output of libraries."""
+    """Open the null device for each closed standard stream, or a file of results would get its number and the output of libraries."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             stream = os.fdopen(os.open(os.devnull, os.O_RDWR), "w" if number else "r", encoding="utf-8")  # it takes the lowest free number

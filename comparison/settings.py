@@ -1,6 +1,6 @@
 """Settings of the program from files and the environment: folder of results, time limit, number of workers, place of YADE.
 
-No setting affects results: the scene or the command line has all of the mechanics.
+No setting affects results: all mechanical data are in the scene or on the command line.
 """
 
 import argparse

@@ -4,7 +4,7 @@ The first attempt moves `quick_speed` times as fast as the run. Its end decides 
 
 - The blocks rattle: the next attempt damps the swing of the blocks, which does not change the time step. If blocks still rattle, the
   contacts get critical damping, too, and the time step is a third as long. If a block still jumps in a structure of at least a hundred
-  blocks, two attempts with the light dashpots follow, at a half and a quarter of the run's speed. If these fail, the last attempt has the
+  blocks, two attempts with the light dashpots follow, at a half and a quarter of the run's speed. If these fail, the next attempt has the
   run's speed and critical damping. (A large plane structure has a damped swing from the start and keeps its dashpots. On a wall of
   1,008 blocks both dampings gave the same reaction.)
 - The curve still creeps at the end of the travel: the next attempt has stiffer joints, because only the travel over the elastic sag counts.
@@ -195,8 +195,8 @@ def _after_slow(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
 def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
     """Return the plan after an attempt that rattles: a damped swing, critical dashpots, or slow attempts; None where none may be made.
 
-    The next attempt is quick again, and of two slow attempts it is the quicker one: only two attempts with the same damping show the
-    effect of the speed.
+    An attempt with another damping is quick again, and of two slow attempts the quicker one comes first: only two attempts with the same
+    damping show the effect of the speed.
     """
     if plan.own < 1.0:
         return _after_slow(attempt, plan, steps)

@@ -129,7 +129,7 @@ def _append_blocks(case: Case, settings: Settings, inertia: Inertia) -> tuple[li
     viscosity = contact_damping(case, inertia, settings.normal_damping, settings.shear_damping)
     of_face = 2.0 * viscosity.max(axis=0)
     material = _material(settings, of_face, _NO_FRICTION_LIMIT)
-    of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # face and sphere act in series
+    of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # in series they give the contact's viscosity
     kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), of_sphere]), axis=0, return_inverse=True)
     rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
     touching, carried = (rows_of(owner, len(case.role)) for owner in (case.target, case.host))
@@ -209,7 +209,7 @@ def _set_inertia(case: Case, inertia: Inertia, clumps: list[int]) -> None:
     for block, clump in enumerate(clumps):
         state = Omega().bodies[clump].state
         state.mass = inertia.mass[block]
-        # For a body with blocked freedoms YADE divides global torques by the sorted principal inertias. Equal ones have no order.
+        # For a body with blocked freedoms YADE divides global torques by the sorted principal inertias. Equal ones need no order.
         state.inertia = Vector3.Ones * inertia.tensor[block, 1, 1] if case.plane else state.inertia * float(factor[block])
 
 

@@ -44,7 +44,7 @@ class Case:
     support_twist : np.ndarray
         Velocity of the origin and angular velocity (6,) per unit settlement; NaN for a live load.
     support_twists : np.ndarray
-        The same (B, 6) for each block: supports may move by different shares of the settlement; 0 for all other blocks.
+        This twist (B, 6) for each block: supports may move by different shares of the settlement; 0 for all other blocks.
     live : np.ndarray or None
         Unit direction (3,) of a load in proportion to the weights, which drives the structure instead of supports.
     overrides : dict
@@ -84,7 +84,7 @@ class Case:
     travel : float
         Largest settlement, m or rad.
     sag, sway : float
-        Largest displacement of a centroid under the weights, and under weights that act sideways (0: unknown), joints glued, m.
+        Largest displacement of a centroid, m, under the weights, and if they act sideways (0: unknown); joints glued, normal stiffness.
     boxes : tuple
         Low and high corner (3,) of each axis-aligned box, m; None for other blocks.
     host : np.ndarray
@@ -187,7 +187,7 @@ class Case:
 
     @cached_property
     def leader(self) -> int:
-        """Support whose motion measures the settlement: with the largest rotation if this is an angle, else the largest displacement."""
+        """Support whose motion measures the settlement: the largest rotation if this is an angle, else the largest displacement."""
         twists = self.support_twists[self.supports]
         moved = twists[:, 3:] if self.is_rotation else twists[:, :3] + np.cross(twists[:, 3:], self.centroid[self.supports])
         return int(self.supports[np.linalg.norm(moved, axis=1).argmax()])

@@ -24,7 +24,7 @@ from yade_scripts.driving import pushed_of
 STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
 COVERAGE = 1.96  # standard deviations of a normal variable that cover the true value 19 times in 20
-_OSCILLATION = -0.5  # autocorrelation below which a record oscillates: that of correlated noise stays above, that of a sine goes below
+_OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise with memory stays above, a sine of several periods goes below
 # The true value lies between the line's intercept and the mean level of its rows. Two bounds at a distance w give a standard
 # deviation of w / sqrt(12) (rectangular distribution).
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
@@ -34,7 +34,7 @@ LEFT = 3.0  # times the uncertainty of the best plateau so far: a fit that is le
 # by more, because a few of a thousand blocks always do so. The second pair is for a run that may end with a less certain plateau: for the
 # judge a block with less than 5 % of the velocity stands still, and 5 % of the mass may move in one method only.
 STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
-_CERTAIN = 3.0  # standard errors of the slope: an excess over the geometric slope by less may be noise
+_CERTAIN = 3.0  # standard errors of the slope: a smaller excess over the geometric slope may be noise
 
 
 class Pose(NamedTuple):

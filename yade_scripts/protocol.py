@@ -259,7 +259,7 @@ class Protocol:
             self._judge()
         elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             may_end = self.search.look(self.asked_settlement)
-            # A damped swing dies away as the run goes on. So only a jump ends such a run early, with the plateau found so far.
+            # A damped swing dies away as the run goes on. So only a jump ends such a run early; its record so far then decides.
             is_calmed = settings.swing_damping > 0.0
             if self._is_restless and not is_calmed:
                 self._end_rattling()

@@ -74,7 +74,7 @@ class Row:
 
 
 def _array(vectors: Iterable[Vector3]) -> np.ndarray:
-    """Return YADE's vectors as an array (N, 3); to read them by index is ten times as fast as numpy's own conversion."""
+    """Return YADE's vectors as an array (N, 3); reading them by index is ten times as fast as numpy's own conversion."""
     return np.array([(vector[0], vector[1], vector[2]) for vector in vectors]).reshape(-1, 3)
 
 
@@ -193,7 +193,7 @@ class Record:
     def settlement(self) -> float:
         """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the leading support.
 
-        Under a live load: the mean displacement of the loaded weights along it since `start_load`, m. This is its work over their sum.
+        Under a live load: the mean displacement of the loaded weights along it since `start_load`, m: the work of the load over their sum.
         """
         if self._cut is not None:
             return self._cut

@@ -29,7 +29,7 @@ os.environ.setdefault("HOME", str(Path.home()))  # YADE needs it when it loads
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS_BETWEEN_LINES = 0.25
-_SECONDS_TIMED = 0.5  # duration of time steps, s, from which the remaining time is estimated
+_SECONDS_TIMED = 0.5  # wall time, s, over which time steps are timed before the remaining time is estimated
 _PR_SET_PDEATHSIG = 1  # prctl(2)
 
 

@@ -1,4 +1,4 @@
-"""Every setting of a run: set by the scene, or derived from the case in proportion to size and weight of the blocks.
+"""Every setting of a run: set by the scene, or derived from the case so that blocks of any size and weight behave alike.
 
 The stable time step follows from the highest frequency and the fastest decay of the assembly, see `yade_scripts.vibration`.
 """
@@ -35,7 +35,7 @@ OF_LARGE = {"stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
 # weaker dashpots allow longer steps. This is for the plane alone: in space, with light dashpots, one jump may lead to another plateau.
 OF_LARGE_CALMED = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long as with 0.3
-SWAY_SHARE = 0.2  # least number of periods of the sideways swing in a run, over its number of periods of the sag without sway
+SWAY_SHARE = 0.2  # least number of periods of the sideways swing during the travel, over `travel_periods`
 ROWS = 1200  # rows of the record over the full travel; more for stiffer joints
 RAMP_SHARE = 0.04  # share of the travel during which the support accelerates
 
@@ -185,12 +185,13 @@ def _choose_motion(case: Case, chosen: _Chosen) -> None:
 
 
 def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
-    """Return the root of the joints' stiffening over a sufficient one; at least 1."""
+    """Return the root of the joints' stiffening over `enough`, a stiffening that suffices; at least 1."""
     return math.sqrt(max(chosen["stiffening"] / enough, 1.0))
 
 
 def most_steps(points: int) -> float:
-    """Return the largest number of time steps of all attempts together, by the number of contact points; no attempt may exceed it."""
+    """Return the largest number of time steps of all attempts together, by the number of contact points; an attempt at the run's own
+    speed may exceed it."""
     return max(SMALL_WORK, min(MOST_STEPS * points, MOST_WORK)) / points
 
 

@@ -47,7 +47,7 @@ class Sweep(Table):
     @field_validator("vary", "together", mode="before")
     @classmethod
     def _with_dotted_keys(cls, given: Any) -> Any:
-        """Return ranges by dotted keys: TOML reads joint.friction = [...] as a table in a table, here it is "joint.friction" = [...]."""
+        """Return ranges by dotted keys: "joint.friction" = [...] for joint.friction = [...], which TOML reads as a table in a table."""
         return [_dotted(group) for group in given] if isinstance(given, list) else _dotted(given)
 
     @model_validator(mode="after")

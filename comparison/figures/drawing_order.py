@@ -232,7 +232,7 @@ class OuterFaces:
         )
         pieces = shapely.get_parts(shapely.difference(whole, inside, grid_size=self._grid))
         pieces = [piece for piece in pieces if isinstance(piece, shapely.Polygon) and self._is_wide(piece)]
-        if any(self._is_wide(shapely.Polygon(hole)) for piece in pieces for hole in piece.interiors):  # matplotlib has none
+        if any(self._is_wide(shapely.Polygon(hole)) for piece in pieces for hole in piece.interiors):  # matplotlib draws none
             return [self._loop(face, flat) for face in alike]
         return [np.array(piece.exterior.coords)[:-1] for piece in pieces]
 

@@ -1,7 +1,8 @@
 """Figure of the reaction against the settlement.
 
 It shows YADE's record and plateau, and the bounds, prediction with curve and interval, and path of limit analysis. Under a live load it
-shows the multiplier against the displacement along the load. The multiplier of a tilt is the tangent of the angle on a second axis.
+shows the multiplier against the displacement along the load. For a tilt a second axis gives the angle, whose tangent
+is the multiplier.
 """
 
 from collections.abc import Iterator

@@ -98,7 +98,7 @@ def largest_settlement(results: Results) -> float:
 def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve.
 
-    This is the settlement at which the stiffer joints of YADE's run have the same strain, or have released as much.
+    Each settlement is that at which the stiffer joints of YADE's run have the same strain, or have released as much.
     """
     analysis = results.analysis
     known = analysis.coulomb is not None and len(analysis.coulomb.path_settlement) >= 2 and math.isfinite(results.stiffening)

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-FINITE = 6.0  # YADE's time for finite rotations over that for small ones: the median of ten random scenes, whose ratios are 2 to 12
+# YADE's time for finite rotations, with its whole travel, over that for small ones: median of ten random scenes, whose ratios are 2 to 12.
+FINITE = 6.0
 WITHIN = 3.0  # factor by which times of shipped scenes differ from the estimate; at most one in ten differs by more
 TIMES = ((1.0, "s"), (60.0, "min"), (3600.0, "h"))  # seconds of each unit
 

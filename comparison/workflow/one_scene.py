@@ -173,7 +173,7 @@ def _came_without_yade(previous: dict[str, Any], folder: Path) -> bool:
 
 
 def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
-    """Return the summary of YADE in a folder without its run: None, the earlier failure, or the message that the stored run is missing.
+    """Return the summary of YADE in a folder without its run: None, the earlier failure, or a failure as interrupted or missing.
 
     A run that was interrupted has left its log, but no comparison.
     """

@@ -11,7 +11,7 @@ from la_core.limit import Status
 
 
 def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
-    """Return choice and reason by effect, for each needed effect that the scene sets to "auto".
+    """Return choice and reason by effect, for each needed effect that the scene leaves at "auto".
 
     The run shows which effects are needed. Without a plateau, only its displacements are checked. Nothing is restored if the scene sets
     rigid joints, or if the structure is proven to fall.

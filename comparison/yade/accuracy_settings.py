@@ -20,8 +20,9 @@ HISTORY_SHARE = 0.5  # of the accuracy: largest effect of the speed on friction'
 # Share of the reaction: effect of stiffness and time step. The effect of friction's history is a separate part here.
 SETTINGS_UNCERTAINTY = 2e-4
 INERTIA_OF_SPEED = 0.03  # times the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
-# A run without history may move FASTEST times as fast as derived at FAST_ACCURACY, and slower in proportion at a finer accuracy. A run with
-# history may not move faster: the two speeds would differ too much, and a further attempt would cost the time that was saved.
+# A run without history may move FASTEST times as fast as derived at FAST_ACCURACY or a coarser accuracy. At a finer accuracy the factor is
+# in proportion to the accuracy, and at least 1. A run with history may not move faster: the two speeds would differ too much, and a further
+# attempt would cost the time that was saved.
 FASTEST, FAST_ACCURACY = 8.0, 0.01
 STOP_SHARE = 0.25  # of the accuracy: uncertainty of the fitted plateau at which a run stops early
 FIT_SHARE = 0.5  # of the accuracy: if the fitted plateau is known to this, a slower run may stop as early, which needs far less travel
@@ -84,7 +85,7 @@ def attempt_of(results: Results) -> Attempt:
 def _kinetic_ratio(results: Results) -> float:
     """Return the largest kinetic energy on the plateau over the work there: of the weights, or of the reaction or live load if larger.
 
-    The second is needed because the weights may do almost no work. NaN if nothing moves on the plateau.
+    The larger work counts, because the weights alone may do almost no work. NaN if nothing moves on the plateau.
     """
     analysis, run = results.analysis, results.recorded
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")

@@ -22,7 +22,7 @@ _SHAPE_TOLERANCE = 1e-9  # of the block's size
 
 
 class YadeError(Exception):
-    """The bodies that YADE built differ from the case; the message names the difference."""
+    """YADE cannot build the bodies of the case, or has built different ones; the message names the fault."""
 
 
 def faces_of(case: Case, block: int, touching: np.ndarray) -> list[tuple[Body, np.ndarray]]:

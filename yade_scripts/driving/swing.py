@@ -61,7 +61,7 @@ class SwingDamper:
     def damp(self) -> None:
         """Bring the velocities of all blocks nearer to their means.
 
-        To scale a velocity down takes energy at any phase of the swing, so the damping is stable for any interval.
+        Scaling a velocity down takes energy at any phase of the swing, so the damping is stable for any interval.
         """
         pairs = [(state.vel, state.angVel) for state in self.states]
         velocities = np.array([(v[0], v[1], v[2], w[0], w[1], w[2]) for v, w in pairs])

@@ -1,8 +1,9 @@
 """The inertia of the blocks in a quasi-static run. It may be chosen freely, because only the balance of forces counts.
 
 The fastest vibration of a few blocks determines the time step of all. So their inertia is increased, and their weight is kept. A block on
-corner contacts rotates up to 1.7 times as fast as it translates: its moment of inertia is increased until both are equally slow. The
-blocks that translate fastest are light for the stiffness of their contacts: they gain inert mass, up to a share of the mass of all blocks.
+corner contacts vibrates up to 1.7 times as fast in rotation as in translation: its moment of inertia is increased until the rotation
+vibrates as slowly as the translation. The blocks with the fastest vibration in translation are light for the stiffness of their contacts:
+they gain inert mass, up to a share of the mass of all blocks.
 """
 
 from dataclasses import dataclass
@@ -43,7 +44,7 @@ class Inertia:
 
 
 def slowed(case: Case, springs: Springs, added: float) -> Inertia:
-    """Return the inertia of a run: rotations as slow as translations, and added mass on the free blocks that translate fastest.
+    """Return the inertia of a run: rotations vibrate as slowly as translations, and the fastest free blocks have added mass.
 
     Parameters
     ----------

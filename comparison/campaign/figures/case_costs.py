@@ -63,7 +63,7 @@ def _finish(left: Any, right: Any, names: list[str], numbers: list[Any]) -> None
 
 
 def _between_decades(low: float, high: float) -> Any:
-    """Return the formatter of the ticks between powers of ten, which writes texts where the axis would have fewer than two without."""
+    """Return the formatter of the ticks between powers of ten; it writes texts only if the axis would otherwise have fewer than two."""
     if high < 20.0 * low:
         return FuncFormatter(lambda value, _: f"{value:g}")
     if np.floor(np.log10(high)) > np.ceil(np.log10(low)):

@@ -16,7 +16,7 @@ from comparison.yade import among_results
 from la_core.errors import SceneError
 from la_core.exchange import ASK_OWNER, ExchangeError
 
-RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them shows that a scene was run in a folder, without the others, too
+RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # each of them alone shows that a scene was run in a folder
 
 
 def execute(context: Context) -> int:

@@ -68,7 +68,9 @@ def curves_summary(results: Results) -> dict[str, Any] | None:
 
 
 def earlier_agreement(results: Results, value: float, tolerance: float) -> str:
-    """Return a sentence on the settlements before the plateau at which YADE's reaction was near a predicted value; "" without any.
+    """Return a sentence on the settlements before the plateau at which YADE's reaction was within a tolerance of a predicted value.
+
+    It is "" without such settlements.
 
     The longest stretch of the settlement counts. It must be long enough for a plateau, whose line begins at LATEST_START of its settlement
     at the latest. A steep curve has no such stretch; a curve that passes the value slowly may have one.

@@ -32,7 +32,7 @@ COVERAGE = 1.96  # standard deviations of a sum of random errors that cover the 
 
 @dataclass(frozen=True)
 class EnergyAudit:
-    """Energies of the settlement stage up to the last stored state, from the start that `audit` gives; all NaN without a balance.
+    """Energies from the first state of the balance, see `audit`, to the last stored state; all NaN without a balance.
 
     Attributes
     ----------

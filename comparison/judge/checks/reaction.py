@@ -37,7 +37,8 @@ NO_DIFFERENCE = ROUND_OFF / LEAST_REACTION  # of the least tolerance: smaller di
 def check_prediction(results: Results) -> Iterator[Check]:
     """Yield the checks of the reaction, its interval, YADE's friction state and the mechanism.
 
-    The reaction decides. If it agrees, an inconclusive result of the other checks becomes a remark; a contradiction stays.
+    The reaction decides. If it agrees, an inconclusive check of the friction state or of a known mechanism becomes a remark. A
+    contradiction stays.
     """
     analysis, run = results.analysis, results.recorded
     prediction = predicted(results)
@@ -133,8 +134,8 @@ def _check_release(results: Results, prediction: Prediction, check: Check, befor
 def _unsure_check(results: Results, check: Check, unsure: list[Unsure], prediction: Prediction) -> Check:
     """Return the check of the reaction if a method is too uncertain. Reactions that differ by less than the floor alone still agree.
 
-    They do not agree if an uncertainty exceeds MOST_UNCERTAIN. The uncertainty of limit analysis may come from several plateaus: finer
-    paths may give a single plateau; otherwise the several plateaus are the answer.
+    Even these do not agree if an uncertainty exceeds MOST_UNCERTAIN. The uncertainty of limit analysis may come from several plateaus:
+    finer paths may give a single plateau; otherwise the several plateaus are the answer.
     """
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):

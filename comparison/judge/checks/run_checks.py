@@ -101,7 +101,7 @@ def _check_standing(results: Results) -> Check:
 
 
 def _stood_at_rest(results: Results) -> bool:
-    """Return whether fallen blocks stood at rest without a thrust: the support has moved, and limit analysis has a plateau."""
+    """Return whether the fallen blocks stood at rest and need no thrust: the support has moved, and the prediction has a plateau."""
     coulomb, run = results.analysis.coulomb, results.recorded
     is_settling = results.scene.live is None and run.result.settlement > 0.0
     return is_settling and coulomb is not None and coulomb.status is Status.SOLVED
