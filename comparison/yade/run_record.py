@@ -39,8 +39,8 @@ class Run(Held):
     Notes
     -----
     The reaction is the force of the support on the structure, against the direction of settlement; it is positive if the support holds
-    the structure. For a rotation it is a moment. Under a live load the reaction is replaced by its multiplier, and the settlement by the
-    mean displacement of the loaded weights along it.
+    the structure. For a rotation it is a moment. Under a live load its multiplier replaces the reaction, and the mean
+    displacement of the loaded weights along the load replaces the settlement.
     """
 
     result: RunResult

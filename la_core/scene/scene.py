@@ -61,7 +61,7 @@ class Scene(Tabled, Held):
     support_twist : ndarray, shape (6,), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
     own_twists : ndarray, shape (B, 6), or None
-        Unit motion of each support by its share of the settlement, 0 for other blocks. None where all supports move by `support_twist`.
+        Motion of each support by its share of the settlement, as `support_twist`; 0 for others. None where all move by `support_twist`.
     live : ndarray, shape (3,), or None
         Unit direction of the load proportional to weight; a [tilt] is such a load, too. None for a settlement.
     effects : RequestedEffects
@@ -140,7 +140,7 @@ class Scene(Tabled, Held):
     floor_mass: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
-        """Add the place to an error of blocks or of a key: the path of the file, or else the scene's name, and the lines in the file.
+        """Return an error of blocks or of a key with its place: the path of the file, or else the scene's name, and the lines in the file.
 
         A file that has changed since it was read gets no lines.
 

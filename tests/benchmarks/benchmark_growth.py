@@ -2,12 +2,12 @@
 
     python tests/benchmarks/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...] [--before RECORD VERSION]
 
-The structures are running-bond walls with as many courses as blocks per course. A third of the base settles. All blocks are modelled,
-except that a whole analysis ("all of") leaves out blocks beyond the reach. Each size runs in its own process, small sizes first. Writes
-growth.json after every size, and growth.md and growth.png at the end or when interrupted. --resume measures the sizes that growth.json
-lacks. --before adds the measurements that an earlier version made of itself, and the page shows both. Times are CPU seconds, the best of
-several where one is quick. build: scene, contacts, assembly, matrices; solver: set-up and solution of cone programmes, and steps of the
-paths; rest: evidence and all else.
+The structures are running-bond walls with as many courses as blocks per course. A third of the base settles. All blocks are modelled:
+bounds leave no block out, and the predictions of a whole analysis ("all of Coulomb") have fewer than 100 blocks beyond the reach, too few
+to be left out. Each size runs in its own process, small sizes first. Writes growth.json after every size, and growth.md and growth.png at
+the end or when interrupted. --resume measures the sizes that growth.json lacks. --before adds the measurements that an earlier version
+made of itself, and the page shows both. Times are CPU seconds, the best of several where one is quick. build: scene, contacts, assembly,
+matrices; solver: set-up and solution of cone programmes, and steps of the paths; rest: evidence and all else.
 """
 
 import on_path  # noqa: F401, I001  first, because it makes the next imports possible

@@ -74,7 +74,7 @@ courses = {courses}
 footing = {{ height = 0.3, settling = [{split}, {end}] }}
 """
 INTRODUCTION = """\
-A small scene is solved in milliseconds, so its command takes hardly longer than the start of the program. The first table has the processor
+A small scene is solved in milliseconds, so its command takes little longer than the start of the program. The first table has the processor
 seconds (user and system) of whole processes, each the least of several runs. The sources are compiled, as in an installed program. *of it
 YADE* is the part of YADE's own process. *by the clock* is the time that a user waits.
 

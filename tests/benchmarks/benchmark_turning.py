@@ -57,13 +57,14 @@ than 1 %, one by 11 %. YADE agrees with 8 of the 9, and has no plateau in the ot
 the release in 8 of them, within 0.26 % of the prediction with finite rotations. In scene 196 the interval is one point: turning blocks lead
 to another mechanism, and to 1.7 % more, by both methods.
 
-The uncertainty of a prediction includes its change [with the order of the blocks](../../la_core/README.md#the-release-of-thrusts). Scene 94
-of 20261126, whose reaction is 9 % smaller by both methods if the blocks are listed in reverse order, is therefore not in the table.
+With finite rotations a value may change [with the order of the blocks](../../la_core/README.md#the-release-of-thrusts), and its stated
+uncertainty includes this change. Scene 94 of 20261126, whose reaction is 9 % smaller by both methods if the blocks are listed in
+reverse order, is therefore not in the table.
 
 *released*: value after a release by the default prediction. *interval*: width of the mechanism's interval for small rotations, over the
-value. *leaves at*: settlement at which the path with finite rotations differs from the value for small rotations by
-{100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of YADE and limit analysis, both with finite
-rotations. *s*: seconds of YADE's run, with other work on the same cores.
+value. *leaves at*: settlement from which on the path with finite rotations differs by more than {100 * LEFT:g} % from the value for
+small rotations, given where *change* is larger than this; softer joints make this settlement larger. *verdict*: of YADE and
+limit analysis, both with finite rotations. *s*: seconds of YADE's run, with other work on the same cores.
 """
 HEADINGS = (
     "scene",

@@ -35,8 +35,8 @@ Entry = dict[str, Any]
 HEAD = f"""# Does the stated uncertainty hold?
 
 Every prediction states its uncertainty before YADE runs, from its own paths alone. Here irregular random scenes test it: unequal blocks,
-leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. A
-[test on regular walls](friction.md#the-accuracy-of-the-prediction) has another page. The reference follows paths in steps {FINER:g}
+leaning walls, inclined beds, lintels and walls of two leaves in space, whose supports go down, aside or turn. Another page has
+a [test on regular walls](friction.md#the-accuracy-of-the-prediction). The reference follows paths in steps {FINER:g}
 times finer, with a tenth of the viscosity. Where a prediction has a third path, the reference follows paths in steps {FINEST:g} times
 finer, with a hundredth of the viscosity. Prediction and reference share model and method, which YADE tests on [other](verdicts.md)
 [random](fresh_verdicts.md) [scenes](third_verdicts.md).

@@ -207,7 +207,7 @@ def _conclusions(entries: list[dict[str, Any]], total: int, seen: frozenset[int]
     yield f"{agree / len(entries):.1%} agree; the goal is {GOAL:.0%}."
     if released := [str(entry["number"]) for entry in entries if "released" in entry]:
         where = ", ".join(released)
-        yield f"Scenes in which YADE comes to the prediction and then to limit analysis' value after a release (*then*): {where}."
+        yield f"Scenes in which YADE comes to the prediction and then to the value of limit analysis after a release (*then*): {where}."
     unseen = [entry for entry in entries if entry["number"] not in seen]
     agreed = sum(not _is_open(entry) for entry in unseen)
     if seen:

@@ -86,7 +86,7 @@ def ladders(folder: Path) -> str:
             f"half the speed {_priced(wall, SLOWER)}.",
             f"On the corner friction's history decides. A single path is {percent(min(one_path))} to {percent(max(one_path))} off, "
             f"depending on its viscosity, but states an uncertainty of at most {percent(alone)}. Only a second path shows the error: the "
-            f"default prediction with two paths is {_priced(corner, DEFAULT)} and states {percent(of_two)}.",
+            f"default prediction with two paths is {_priced(corner, DEFAULT)} and states an uncertainty of {percent(of_two)}.",
             f"With its derived settings YADE is {_priced(corner, DERIVED)} on the corner; four times as fast it is "
             f"{_priced(corner, FASTER)}, at half the speed {_priced(corner, SLOWER)}. The classic iteration ends as "
             f"`{corner[CLASSIC]['status']}` there.",

@@ -20,9 +20,9 @@ FEWEST = 3  # least number of sizes of a fit; a line through two sizes has no er
 SMALL_SHARE = 0.1  # of the time of an analysis, outside the solver
 DIMENSIONS = {"plane": {"linestyle": "-"}, "3D": {"linestyle": "--", "markerfacecolor": "white"}}
 INTRODUCTION = """\
-Running-bond walls with as many courses as blocks per course settle under a third of their base. Every block is modelled, except
-in the rows *all of*: these leave out the blocks that the settlement cannot affect. The tables give the CPU time and memory of limit
-analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger sizes.
+Running-bond walls with as many courses as blocks per course settle under a third of their base. Every block is modelled. The tables
+give the CPU time and memory of limit analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger
+sizes.
 
 Every size runs in a process of its own. Quick runs are repeated, and the quickest one counts. *build* is scene, contacts, assembly and
 matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
