@@ -74,6 +74,20 @@ def test_a_heavy_block_that_swings_where_it_stands_hardly_counts() -> None:
     assert np.mean(counted[10:]) < 0.15
 
 
+def test_a_heavy_wall_that_strains_as_the_multiplier_grows_does_not_count_beside_a_light_block_that_slides() -> None:
+    """It sways by 2 m over the multiplier, the servo's largest for blocks that stand by 4; the block slides 1 m in a second."""
+    servo, masses = Servo(0.01, 0.0, 1.0, 0.0, 1, 1.0, sway=4.0), np.array([600.0, 1.0])
+    servo.renew(0.0, masses, np.zeros(2))
+    for k in range(1, 30):
+        multiplier = servo.multiplier(float(k), 0.0)
+        servo.renew(float(k), masses, np.array([2.0 * multiplier, 1.0 * k]))
+    assert servo.weighted(np.array([0.0, 1.0])) == pytest.approx(1.0)
+
+
+def test_the_servo_takes_blocks_to_stand_that_sway_twice_as_far_as_with_glued_joints() -> None:
+    assert servo_of(case_of(PUSH, sway=3.0), settings_of()).sway == pytest.approx(2.0 * 3.0**2 * SAG / 4.0)
+
+
 class TwoBlocks:
     """A light block moves by 1 m within the first second, then stands; a heavy one moves by 1 m in every later second."""
 

@@ -4,8 +4,9 @@ A load in proportion to weight is an acceleration, so only the vector of gravity
 load, let alpha be the multiplier, and let q' be the mean of v, weighted by m v. Then q'' = g (alpha - resistance) for every set of moving
 blocks, because the power of the load and the kinetic energy have the same factor. So the servo keeps this mean constant. The weights follow
 the motion of the last windows of time. There the motion of blocks that swing about their places cancels; if it counted, the other blocks
-would move faster than set. The servo acts like a spring and a dashpot, derived from a frequency and a damping ratio of q. While the blocks
-stand still, the spring stretches.
+would move faster than set. Blocks that stand still strain their joints while the multiplier grows. A heavy wall would then outweigh a light
+pinnacle that slides on it. So the motion by which the structure sways under the change of the multiplier does not count, either. The servo
+acts like a spring and a dashpot, derived from a frequency and a damping ratio of q. While the blocks stand still, the spring stretches.
 """
 
 import math
@@ -21,6 +22,7 @@ LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedge
 LAG = 0.2  # largest decay of a block's motion, by the servo's dashpot, between two changes of the multiplier; above 2 it is unstable
 LONG_SWAY = 4.0  # period of the sway over that of the sag: beyond this the servo is slower, so that it does not swing with standing blocks
 SLOWEST = 5.0  # largest factor by which the servo is slower: the spring of a slower one would stretch over the whole travel
+OPENED = 2.0  # sway of a structure whose joints open as the multiplier grows, over its sway with glued joints
 RENEWED = 0.5  # share of the remembered motion that the motion of the last window replaces
 
 
@@ -53,8 +55,12 @@ class Servo:
         Time steps from one change of the multiplier to the next.
     window : float
         Duration of a window of motion from which the weights are renewed, s.
+    sway : float
+        Largest motion of standing blocks along the load, over the change of the multiplier, m.
     moved : float
         Motion of the blocks so far: integral of their weighted mean speed, m.
+    acting : float
+        The last multiplier.
     """
 
     spring: float
@@ -63,9 +69,12 @@ class Servo:
     ramp_time: float
     every: int
     window: float
+    sway: float = 0.0
     moved: float = 0.0
+    acting: float = 0.0
     _last: float = 0.0
     _window_began: float = 0.0
+    _acted: float = 0.0  # the multiplier when the window began
     _places: np.ndarray = field(default_factory=lambda: np.zeros(0))
     _weights: np.ndarray = field(default_factory=lambda: np.zeros(0))
     _motion: np.ndarray = field(default_factory=lambda: np.zeros(0))  # mass times motion in a window, mean over the last windows, kg m
@@ -83,7 +92,8 @@ class Servo:
         self.moved += speed * (elapsed - self._last)
         self._last = elapsed
         place, rate = self.pulled(elapsed)
-        return self.spring * (place - self.moved) + self.dashpot * (rate - speed)
+        self.acting = self.spring * (place - self.moved) + self.dashpot * (rate - speed)
+        return self.acting
 
     def weighted(self, speeds: np.ndarray) -> float:
         """Return the weighted mean of the blocks' speeds (n,), m/s."""
@@ -92,13 +102,14 @@ class Servo:
     def renew(self, elapsed: float, masses: np.ndarray, places: np.ndarray) -> None:
         """Renew the weights by the motion of the blocks since the last window began; masses (n,), kg; places along the load (n,), m."""
         if len(self._weights):
-            self._motion += RENEWED * (masses * (places - self._places) - self._motion)
+            motion, strain = places - self._places, self.sway * abs(self.acting - self._acted)
+            self._motion += RENEWED * (masses * (motion - np.clip(motion, -strain, strain)) - self._motion)
             along = np.maximum(self._motion, 0.0)
             if along.sum() > 0.0:
                 self._weights = along / along.sum()
         else:
             self._weights, self._motion = masses / masses.sum(), np.zeros(len(masses))
-        self._places, self._window_began = places, elapsed
+        self._places, self._window_began, self._acted = places, elapsed, self.acting
 
     def loading_time(self, multiplier: float = LARGEST_MULTIPLIER) -> float:
         """Return the time in which the multiplier grows to this value while the blocks stand still, s."""
@@ -124,11 +135,13 @@ def pushed_of(case: Case) -> np.ndarray:
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
     gravity = float(np.linalg.norm(case.gravity))
-    slower = min(max(1.0, sway_over_sag(case) / LONG_SWAY), SLOWEST)
-    frequency = settings.servo_frequency / slower * math.sqrt(gravity / sag_of(case, settings.normal_stiffness))
+    sag, long = sag_of(case, settings.normal_stiffness), sway_over_sag(case)
+    slower = min(max(1.0, long / LONG_SWAY), SLOWEST)
+    frequency = settings.servo_frequency / slower * math.sqrt(gravity / sag)
     decay = 2.0 * settings.servo_damping * frequency
     # The live load acts on a dead load that is given as a mass, but this mass has no inertia. So its block accelerates faster by the ratio
     # of the loaded weight to the block's own weight.
     quickest = float((pushed_of(case) / (case.mass[case.free] * gravity)).max())
     every = max(1, int(LAG / (quickest * decay * settings.settling_step)))
-    return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, 1.0 / frequency)
+    window, sway = 1.0 / frequency, OPENED * sag * long**2
+    return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, window, sway)
