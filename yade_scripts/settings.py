@@ -13,7 +13,7 @@ import numpy as np
 
 from la_core.exchange import AT_STAKE, FREE, RADIUS_OVER_INSET, SETTING_DEFAULTS, TRAVEL_PERIODS, broken_rule
 from yade_scripts.case import Case, CaseError
-from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
+from yade_scripts.vibration import MOST, MOST_PUSHED, Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
 # Ratios for every case; README.md gives their reasons.
 GRAVITY_PERIODS = 500.0  # longest gravity stage, in periods of the sag
@@ -256,7 +256,8 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
 
 def inertia_of(case: Case, normal: float, shear: float, added_mass: float) -> Inertia:
     """Return the inertia of the blocks in a run with this stiffness of the contact points (N/m) and this `added_mass`."""
-    return slowed(case, springs_of(case, normal, shear), added_mass)
+    most = MOST if case.live is None else MOST_PUSHED
+    return slowed(case, springs_of(case, normal, shear), added_mass, most)
 
 
 def contact_damping(case: Case, inertia: Inertia, normal: float, shear: float) -> np.ndarray:

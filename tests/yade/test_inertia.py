@@ -85,6 +85,9 @@ def test_a_block_that_turns_as_slowly_as_it_shifts_keeps_its_moment_of_inertia()
     slow = slowed(cast(case.Case, blocks), cast(Springs, SimpleNamespace(of_blocks=lambda: (shifting, turning))), 0.1)
     assert slow.mass == pytest.approx([2.0, 2.0, 2.0, 2.0, 1.9])
     assert slow.tensor[:, 1, 1] == pytest.approx([1.5, 0.55, 0.5, 50.0, 0.5])  # a hundred times at most
+    less = slowed(cast(case.Case, blocks), cast(Springs, SimpleNamespace(of_blocks=lambda: (shifting, turning))), 0.1, 1.5)
+    assert less.mass == pytest.approx([2.0, 2.0, 2.0, 2.0, 1.5])
+    assert less.tensor[:, 1, 1] == pytest.approx([0.75, 0.55, 0.5, 0.75, 0.5])  # 1.5 times at most
 
 
 def test_the_stiffness_of_a_block_is_what_its_own_motion_feels(one: case.Case) -> None:

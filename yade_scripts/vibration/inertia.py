@@ -16,6 +16,9 @@ from yade_scripts.vibration.springs import Springs
 
 # Largest factor on a block's mass. Its weight must still accelerate it as the supports move, on the ramp by about 1e-3 g.
 MOST = 100.0
+# Largest factor under a live load. The multiplier grows until the moving blocks have gained their speed. With more inertia on a light block
+# it would grow farther, up to a load at which heavier blocks move, too.
+MOST_PUSHED = 10.0
 _BISECTIONS = 60
 
 
@@ -43,7 +46,7 @@ class Inertia:
         return np.linalg.inv(self.tensor)
 
 
-def slowed(case: Case, springs: Springs, added: float) -> Inertia:
+def slowed(case: Case, springs: Springs, added: float, most: float = MOST) -> Inertia:
     """Return the inertia of a run: rotations vibrate as slowly as translations, and the fastest free blocks have added mass.
 
     Parameters
@@ -54,6 +57,8 @@ def slowed(case: Case, springs: Springs, added: float) -> Inertia:
         Springs at the contact points.
     added : float
         Added mass over the mass of all free blocks; 0 for the true inertia.
+    most : float
+        Largest factor on a mass, and on a moment of inertia.
     """
     true = Inertia(case.mass, case.inertia[:, 1, 1, None, None] * np.eye(3) if case.plane else case.inertia)
     if added == 0.0:
@@ -61,18 +66,21 @@ def slowed(case: Case, springs: Springs, added: float) -> Inertia:
     free, (shifting, turning) = case.free, springs.of_blocks()
     stiffness = np.linalg.eigvalsh(shifting[free])[:, -1]
     mass = true.mass.copy()
-    mass[free] = _levelled(stiffness, true.mass[free], added)
+    mass[free] = _levelled(stiffness, true.mass[free], added, most)
     fastest = np.linalg.eigvals(np.linalg.solve(true.tensor[free], turning[free])).real.max(axis=1)
     ratio = np.divide(fastest * mass[free], stiffness, out=np.ones(len(free)), where=stiffness > 0.0)
     factor = np.ones(len(mass))
-    factor[free] = np.clip(ratio, 1.0, MOST)
+    factor[free] = np.clip(ratio, 1.0, most)
     return Inertia(mass, factor[:, None, None] * true.tensor)
 
 
-def _levelled(stiffness: np.ndarray, mass: np.ndarray, added: float) -> np.ndarray:
-    """Return masses (n,) with the lowest possible maximum of stiffness over mass, for an added mass of at most `added` times the total."""
+def _levelled(stiffness: np.ndarray, mass: np.ndarray, added: float, most: float = MOST) -> np.ndarray:
+    """Return masses (n,) with the lowest possible maximum of stiffness over mass, for an added mass of at most `added` times the total.
+
+    most: largest factor on a mass.
+    """
     high = float((stiffness / mass).max())
-    low = high / MOST  # the fastest block cannot become slower than this, so slower other blocks would not help
+    low = high / most  # the fastest block cannot become slower than this, so slower other blocks would not help
     for _ in range(_BISECTIONS if high > 0.0 else 0):
         level = 0.5 * (low + high)
         if (np.maximum(mass, stiffness / level) - mass).sum() > added * mass.sum():
