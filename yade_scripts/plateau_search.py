@@ -8,13 +8,42 @@ import numpy as np
 from la_core.exchange import GRAVITY, LEAST_REACTION, LEFT_PLATEAU
 from yade_scripts import plateau
 from yade_scripts.case import Case
+from yade_scripts.driving import pushed_of
 from yade_scripts.faults import settlement_words
-from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
+from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, Pose, geometry_of
 from yade_scripts.recorder import Record, Status
 from yade_scripts.settings import Settings, is_content, sag_of
 
 # Largest effect of the joints' strain, as a share of the reaction: this factor times the elastic sag over the settlement.
 STRAIN_OF_SAG = 0.03
+
+
+def sway_of(displacement: np.ndarray, multiplier: np.ndarray) -> float:
+    """Return the mean displacement over the multiplier, m, by which a structure sways before a live load moves it.
+
+    It is taken where the multiplier first comes to half its greatest value. Where a light block moves on a heavy wall, this sway is most of
+    the mean displacement, and no part of the mechanism.
+
+    displacement: rows (T,), m; multiplier: of the same rows.
+    """
+    greatest = float(multiplier.max(initial=0.0))
+    if greatest <= 0.0:
+        return 0.0
+    half = int(np.argmax(multiplier >= 0.5 * greatest))
+    return max(float(displacement[half] / multiplier[half]), 0.0)
+
+
+def lead_of(case: Case, poses: tuple[Pose, Pose, Pose]) -> float:
+    """Return how far the blocks that a live load moves have moved along it, over the mean displacement; at least 1.
+
+    poses: at rest, on the way, and now.
+    """
+    rest, before, now = poses
+    rate, moved = ((now.displacement - then.displacement)[case.free] @ case.live for then in (before, rest))
+    shares = pushed_of(case) * np.maximum(rate, 0.0)
+    if now.settlement <= 0.0 or not shares.any():
+        return 1.0
+    return max(float(shares @ moved / shares.sum()) / now.settlement, 1.0)
 
 
 @dataclass
@@ -38,6 +67,7 @@ class PlateauSearch:
     record: Record
     plateau: Plateau = plateau.NONE
     _best: Earlier | None = None
+    _lead: float = 1.0  # motion along a live load of the blocks that it moves, over the mean of all blocks
 
     def look(self, asked: float) -> bool:
         """Fit the record so far, and return whether the run may end.
@@ -87,14 +117,27 @@ class PlateauSearch:
     def _strain(self) -> float:
         """Largest share of the reaction that may be due to the joints' strain; it falls as the support moves on."""
         sag = sag_of(self.case, self.settings.normal_stiffness)
-        return STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
+        return STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed * self._lead)
 
     def _fit(self) -> Plateau:
-        rows = self.record.settling()
+        rows, is_pushed = self.record.settling(), self.case.live is not None
         settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
-        middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
+        sway = sway_of(settlement, reaction) if is_pushed else 0.0
+        swayed = sway * float(reaction[-1]) if is_pushed and rows else 0.0
+        middle = swayed + 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * (self.record.settlement() - swayed)
         before = next((pose for pose in reversed(self.record.poses) if pose.settlement <= middle), self.record.poses[0])
-        return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
+        now = self.record.pose()
+        geometry = geometry_of(self.case, before, now)
+        if not is_pushed:
+            return plateau.fit(settlement, reaction, geometry)
+        self._lead = lead_of(self.case, (self.record.poses[0], before, now))
+        moved = settlement - sway * reaction
+        line = plateau.fit(moved, reaction, geometry)
+        # States of the plateau are known by their displacement. So it begins beyond all to which the structure has swayed before.
+        swayed_to = float(settlement[moved < line.start].max(initial=0.0))
+        start = max(line.start + sway * line.reaction, math.nextafter(swayed_to, math.inf))
+        is_long = np.count_nonzero(settlement >= start) >= plateau.FEWEST_ROWS
+        return replace(line, start=start) if is_long else plateau.NONE
 
     def _is_steady(self, fit: Plateau) -> bool:
         """Whether each block, or all but a few of many, keeps its velocity over the plateau. True for a run without a damped swing.

@@ -167,6 +167,36 @@ def test_the_line_is_fitted_to_the_settlement_stage_and_its_geometry_to_the_moti
     assert found["reaction"] == pytest.approx(50.0 + 1e4 * found["settlement"]) and len(found["reaction"]) == 11
 
 
+def test_the_sway_of_a_structure_is_no_motion_of_its_mechanism() -> None:
+    """The wall, 90 % of the weight, sways by 0.1 mm under a multiplier of 0.5. Then the block moves on alone, by 2 mm in all."""
+    multiplier = np.array([0.0, 0.2, 0.3, 0.5, 0.5, 0.5])
+    displacement = 2e-4 * multiplier * 0.9 + np.array([0.0, 0.0, 0.0, 0.0, 1e-4, 2e-4])
+    assert search.sway_of(displacement, multiplier) == pytest.approx(1.8e-4)
+    assert search.sway_of(displacement, -multiplier) == 0.0
+    one: Any = SimpleNamespace(**(vars(CASE) | {"live": np.array([0.0, 0.0, -1.0]), "gravity": np.array([0.0, 0.0, -10.0])}))
+    one.free, one.mass, one.live_load = np.arange(2), np.array([9.0, 1.0]), np.zeros((2, 6))
+    record = Told(0.3e-3, [[0.0, 0.0], [1e-4, 1.1e-3], [1e-4, 2.1e-3]])
+    assert search.lead_of(one, tuple(record.poses)) == pytest.approx(2.1 / 0.3)
+    assert search.lead_of(one, (record.poses[0], record.poses[2], record.poses[2])) == 1.0
+
+
+@pytest.mark.parametrize(("rows", "is_found"), [(200, True), (30, False)])
+def test_a_plateau_begins_beyond_all_to_which_a_structure_has_swayed_before(
+    rows: int, is_found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It sways by 0.2 mm under a multiplier of 1, to 0.12 mm under 0.6, and back under 0.5; then its mechanism moves 1 um in each row."""
+    multiplier = np.concatenate([np.linspace(0.0, 0.6, 30), np.full(rows, 0.5)])
+    displacement = 2e-4 * multiplier + np.concatenate([np.zeros(30), 1e-6 * np.arange(rows)])
+    record = Told(float(displacement[-1]), [[0.0] * 4] * 3)
+    record.settling = lambda: [row(settlement=s, reaction=r) for s, r in zip(displacement, multiplier, strict=True)]  # type: ignore[attr-defined]
+    monkeypatch.setattr(search, "geometry_of", lambda case, before, now: plateau.Geometry(0.0, 1.0))
+    monkeypatch.setattr(search, "lead_of", lambda case, poses: 1.0)
+    one = looking(record)
+    one.case = SimpleNamespace(**(vars(CASE) | {"live": np.array([1.0, 0.0, 0.0])}))
+    found = one._fit()
+    assert (found.reaction == pytest.approx(0.5) and found.start > 0.12e-3) if is_found else math.isnan(found.reaction)
+
+
 def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[plateau.Plateau]) -> None:
     best = line(100.0, 0.3)
     fits += [line(101.0, 0.6), best, line(101.0, 0.6), line(120.0, 20.0), line(120.0, 20.0)]
