@@ -141,6 +141,20 @@ def test_the_load_works_by_its_mean_multiplier_between_two_states() -> None:
     assert found.drift == pytest.approx(1.0)  # neither contact forces nor kinetic energy took this work
 
 
+def test_the_load_works_by_the_multipliers_of_the_rows_where_a_structure_sways_back_before_it_moves_on() -> None:
+    """The rows at which the two states were stored have the multipliers 0 and 0.4; others come between them in time."""
+    ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
+    assembly = assemble(scenes.build(ground, scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 0.4)), inset=1e-3, live=(1.0, 0.0, 0.0)))
+    free = int(np.flatnonzero(assembly.blocks.free)[0])
+    poses = {name: np.zeros((2, len(assembly.blocks), 3)) for name in ("displacement", "rotation")}
+    poses |= {"settlement": np.array([0.0, SINK]), "forces": np.zeros((2, len(assembly.points), 3))}
+    poses["displacement"][1, free, 0] = SINK
+    swaying = {"settlement": np.array([0.0, 0.0, SINK, 0.4 * SINK, 1.5 * SINK]), "reaction": np.array([0.0, 0.0, 0.4, 0.1, 0.3])}
+    record = {"stage": np.array([0, 1, 1, 1, 1]), "kinetic_energy": np.zeros(5)} | swaying
+    run = made_up_run({}, record, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
+    assert audit(assembly, run).load == pytest.approx(0.2 * assembly.weight * SINK)
+
+
 def test_a_block_that_turns_about_its_edge_loses_nothing_there() -> None:
     """Its lever arms turn with it. With the undeformed geometry, half of N height angle^2 would seem to be damped."""
     ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")

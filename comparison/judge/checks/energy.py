@@ -157,11 +157,15 @@ def energy_summary(assembly: Assembly, run: Run) -> dict[str, float]:
 
 
 def _series(run: Run, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the settlement and one recorded series, starting with the last row at rest."""
+    """Return the settlement and one recorded series, starting with the last row at rest, in the order of the settlement.
+
+    Under a live load a structure may sway back a little on its way, and the displacement of the rows does not rise all the way.
+    """
     first = int(np.flatnonzero(run.record.stage == GRAVITY)[-1])
     settlement = run.record.settlement[first:].copy()
     settlement[0] = min(settlement[0], run.poses.settlement[0])
-    return settlement, getattr(run.record, name)[first:]
+    order = np.argsort(settlement, kind="stable")
+    return settlement[order], getattr(run.record, name)[first:][order]
 
 
 def _support_work(run: Run, stored: np.ndarray) -> float:
