@@ -22,12 +22,13 @@ def sway_of(displacement: np.ndarray, multiplier: np.ndarray) -> float:
     """Return the mean displacement over the multiplier, m, by which a structure sways before a live load moves it.
 
     It is taken where the multiplier first comes to half its greatest value. Where a light block moves on a heavy wall, this sway is most of
-    the mean displacement, and no part of the mechanism.
+    the mean displacement, and no part of the mechanism. 0 for a structure that the servo mostly holds back: a small push before that, of
+    noise alone, tells no sway.
 
     displacement: rows (T,), m; multiplier: of the same rows.
     """
     greatest = float(multiplier.max(initial=0.0))
-    if greatest <= 0.0:
+    if greatest <= 0.0 or multiplier.mean() <= 0.0:
         return 0.0
     half = int(np.argmax(multiplier >= 0.5 * greatest))
     return max(float(displacement[half] / multiplier[half]), 0.0)
@@ -68,6 +69,7 @@ class PlateauSearch:
     plateau: Plateau = plateau.NONE
     _best: Earlier | None = None
     _lead: float = 1.0  # motion along a live load of the blocks that it moves, over the mean of all blocks
+    _best_lead: float = 1.0  # the same at the best plateau
 
     def look(self, asked: float) -> bool:
         """Fit the record so far, and return whether the run may end.
@@ -81,7 +83,7 @@ class PlateauSearch:
             return True
         best, enough = self._best, EARLY * self._scale(fit)
         if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
-            self._best = Earlier(fit, self.record.mark(), asked)
+            self._best, self._best_lead = Earlier(fit, self.record.mark(), asked), self._lead
             return False
         return best is not None and best.is_left(fit, enough)
 
@@ -94,7 +96,7 @@ class PlateauSearch:
         fit, best, ending = self._fit(), self._best, ""
         name = "reaction" if self.case.live is None else "multiplier"
         if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
-            fit, asked = best.fit, best.asked
+            fit, asked, self._lead = best.fit, best.asked, self._best_lead
             ending = f"; the {name}{LEFT_PLATEAU}{settlement_words(self.case, self.record.settlement())}"
             self.record.cut(best.mark)
         self.plateau, reached = fit, self.record.settlement()

@@ -173,6 +173,7 @@ def test_the_sway_of_a_structure_is_no_motion_of_its_mechanism() -> None:
     displacement = 2e-4 * multiplier * 0.9 + np.array([0.0, 0.0, 0.0, 0.0, 1e-4, 2e-4])
     assert search.sway_of(displacement, multiplier) == pytest.approx(1.8e-4)
     assert search.sway_of(displacement, -multiplier) == 0.0
+    assert search.sway_of(displacement, np.array([0.0, 1e-6, -0.3, -0.3, -0.3, -0.3])) == 0.0  # noise, then the servo holds it back
     one: Any = SimpleNamespace(**(vars(CASE) | {"live": np.array([0.0, 0.0, -1.0]), "gravity": np.array([0.0, 0.0, -10.0])}))
     one.free, one.mass, one.live_load = np.arange(2), np.array([9.0, 1.0]), np.zeros((2, 6))
     record = Told(0.3e-3, [[0.0, 0.0], [1e-4, 1.1e-3], [1e-4, 2.1e-3]])
@@ -207,6 +208,22 @@ def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[platea
     status, message, asked = one.ended(4.0)
     assert status is STATUS.PLATEAU and one.plateau.reaction == 100.0 and asked == 2.0 and record.cuts == [(3, 2)]
     assert re.fullmatch(r"steady from a settlement of \S+ to \S+ m; the reaction leaves it before a settlement of \S+ m", message)
+
+
+def test_the_strain_at_a_plateau_that_was_left_is_compared_with_the_motion_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The blocks that the load moves led by 5 times the mean on the plateau. After it the whole wall moves."""
+    given = iter([(line(0.5, 0.003), 5.0), (line(0.6, 0.1), 1.0), (line(0.6, 0.1), 1.0)])
+
+    def fit(one: Any) -> plateau.Plateau:
+        found, one._lead = next(given)
+        return found
+
+    monkeypatch.setattr(search.PlateauSearch, "_fit", fit)
+    one = looking(Told(STRAIN_ENDS))
+    one.case = SimpleNamespace(**(vars(CASE) | {"live": np.array([1.0, 0.0, 0.0])}))
+    one.look(1.0), one.look(2.0)
+    assert one.ended(2.0)[2] == 1.0
+    assert one.outcome.stiffness == pytest.approx(0.5 * math.hypot(0.002 / 5.0, 1e-3))
 
 
 def test_of_a_live_load_it_is_the_multiplier_that_has_no_plateau_or_leaves_one(fits: list[plateau.Plateau]) -> None:
