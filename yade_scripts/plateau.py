@@ -213,7 +213,7 @@ def is_steady(poses: tuple[Pose, Pose, Pose], free: np.ndarray, fastest: float, 
 
 
 def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:
-    """Return the line through the later part of reaction (T,) against settlement (T,), which rises from 0; NONE below 20 rows.
+    """Return the line through the later part of reaction (T,) against settlement (T,), which begins at 0; NONE below 20 rows.
 
     The fit uses the start among STARTS with the smallest uncertainty: an early start keeps a transient, a late one drops rows. This is
     the marginal standard error rule of White (1997), with a line in place of the mean.

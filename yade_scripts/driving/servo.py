@@ -135,13 +135,13 @@ def pushed_of(case: Case) -> np.ndarray:
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
     gravity = float(np.linalg.norm(case.gravity))
-    sag, long = sag_of(case, settings.normal_stiffness), sway_over_sag(case)
-    slower = min(max(1.0, long / LONG_SWAY), SLOWEST)
+    sag, slender = sag_of(case, settings.normal_stiffness), sway_over_sag(case)
+    slower = min(max(1.0, slender / LONG_SWAY), SLOWEST)
     frequency = settings.servo_frequency / slower * math.sqrt(gravity / sag)
     decay = 2.0 * settings.servo_damping * frequency
     # The live load acts on a dead load that is given as a mass, but this mass has no inertia. So its block accelerates faster by the ratio
     # of the loaded weight to the block's own weight.
     quickest = float((pushed_of(case) / (case.mass[case.free] * gravity)).max())
     every = max(1, int(LAG / (quickest * decay * settings.settling_step)))
-    window, sway = 1.0 / frequency, OPENED * sag * long**2
+    window, sway = 1.0 / frequency, OPENED * sag * slender**2
     return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, window, sway)
