@@ -263,7 +263,7 @@ def _draw_difference(axes: Any, results: Results, scales: Scales) -> None:
         return
     at, size = run.settling("settlement"), run.settling("reaction")
     ends = [
-        np.interp(apart.settlement, at, size),
+        size[np.argmin(np.abs(at - apart.settlement))],  # its row: under a live load the displacement does not always rise
         np.interp(apart.settlement, coulomb.path_settlement / results.prediction_scale, coulomb.path_value),
     ]
     where = f"{format_number(apart.settlement / scales.settlement, 2)} {scales.settlement_unit}"

@@ -261,3 +261,17 @@ def test_the_legend_is_no_wider_than_the_figure(tmp_path: Path) -> None:
     assert plot_reaction.APART in keys and plot_reaction.HISTORY in keys
     drawn = legend.get_window_extent()
     assert figure.bbox.x0 <= drawn.x0 and drawn.x1 <= figure.bbox.x1
+
+
+def test_the_mark_of_the_largest_difference_ends_on_the_record_of_a_structure_that_sways_back(tmp_path: Path) -> None:
+    """Under a live load the recorded displacements may fall for a while, and values between rows have no order then."""
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    run = replace(synthetic_run(analysis), settings={"normal_stiffness": analysis.stiffness.normal})
+    settlement, reaction = run.record.settlement.copy(), run.record.reaction.copy()
+    settlement[120:160] = settlement[120:160][::-1]
+    reaction[140] *= 10.0  # the largest difference, in a row with smaller displacements behind it
+    results = Results(analysis, replace(run, record=replace(run.record, settlement=settlement, reaction=reaction)))
+    marks = [
+        line for axes in reaction_figure(results).axes for line in axes.get_lines() if str(line.get_label()).startswith(plot_reaction.APART)
+    ]
+    assert marks and all(np.isclose(np.asarray(mark.get_ydata()), 1e-3 * reaction[140]).any() for mark in marks)
