@@ -72,8 +72,8 @@ the tolerance.
 
 The run of the large facade takes an hour, most of it in YADE; no larger structure was tried."""
 RANDOM = """\
-The second table has random irregular structures of 60 to 200 blocks. They are of the kinds of the [random verdicts](verdicts.md), with two
-to three times their length and number of courses. Program and seed were fixed before the first run. The structures ran with one thread,
+Random irregular structures of 60 to 200 blocks are in the second table. They are of the kinds of the [random verdicts](verdicts.md), with
+two to three times their length and number of courses. Program and seed were fixed before the first run. The structures ran with one thread,
 beside another run of YADE on the same two cores. YADE treats random 2 and 10 as large structures. Both ran again, alone and with later
 settings; random 10 was among the walls on which these settings were tried. Random 4 and 12 ran again, beside each other and a test run,
 after slow attempts had been added to the protocol. Random 12 is one of the walls that led to slow attempts."""
