@@ -18,7 +18,14 @@ MADE_AT = "time"  # in `made_by`
 _TEXT, _SCALAR = h5py.h5t.py_create(h5py.string_dtype(), logical=True), h5py.h5s.create(h5py.h5s.SCALAR)  # of labels
 
 
-def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str, made_by: Mapping[str, str] | None = None) -> None:
+def write(
+    path: Path,
+    fields: tuple[Field, ...],
+    values: Mapping[str, Any],
+    inputs: str,
+    made_by: Mapping[str, str] | None = None,
+    is_dated: bool = True,
+) -> None:
     """Write a file; a crash leaves the previous one.
 
     Parameters
@@ -33,6 +40,8 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
         Digest of the inputs that made the values.
     made_by : mapping of str to str, optional
         Versions of the programs that made the values, and their machine. The file keeps them with its time, see `made_by`.
+    is_dated : bool
+        Whether the file keeps the time and `made_by`. Without them, equal values give equal bytes.
 
     Raises
     ------
@@ -46,8 +55,9 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
     with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
         file.attrs["version"] = VERSION
         file.attrs["inputs"] = np.bytes_(inputs.encode())
-        time = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-        file.attrs["made_by"] = np.bytes_(json.dumps({**(made_by or {}), MADE_AT: time}).encode())
+        if is_dated:
+            time = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+            file.attrs["made_by"] = np.bytes_(json.dumps({**(made_by or {}), MADE_AT: time}).encode())
         groups: dict[str, Any] = {}
         for field in fields:
             place, _, name = field.path.rpartition("/")

@@ -1,8 +1,10 @@
 """Values written for the other method are read back unchanged, or are not written at all."""
 
+import datetime
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -139,6 +141,20 @@ def test_crash_while_writing_leaves_what_was_there(tmp_path, already_there) -> N
         exchange.write(path, FIELDS, VALUES | {"b/vectors": Exploding()}, "second")
     assert [entry.name for entry in tmp_path.iterdir()] == (["file.h5"] if already_there else [])
     assert exchange.inputs_digest(path) == ("first" if already_there else "")
+
+
+def test_a_file_without_a_date_has_the_same_bytes_at_any_time(tmp_path, monkeypatch) -> None:
+    """A report that writes the table of a campaign again must not change it."""
+    days = iter([datetime.datetime(2026, 1, 1, tzinfo=datetime.UTC), datetime.datetime(2026, 1, 2, tzinfo=datetime.UTC)] * 2)
+    clock = SimpleNamespace(datetime=SimpleNamespace(now=lambda: next(days)))
+    monkeypatch.setattr(hdf5, "datetime", clock)
+    dated, undated = ([tmp_path / f"{kind}_{k}.h5" for k in range(2)] for kind in ("dated", "undated"))
+    for is_dated, paths in ((True, dated), (False, undated)):
+        for path in paths:
+            exchange.write(path, FIELDS, VALUES, "", is_dated=is_dated)
+    assert undated[0].read_bytes() == undated[1].read_bytes()
+    assert dated[0].read_bytes() != dated[1].read_bytes()
+    assert exchange.made_by(undated[0]) == {}
 
 
 def test_digest_of_inputs_is_only_that_of_a_whole_file(whole, tmp_path) -> None:
