@@ -120,7 +120,7 @@ def yade_stage(
 
 
 def _stored_run(analysis: LimitAnalysis, inputs: str, path: Path, listener: Listener) -> Run | None:
-    """Return the stored run of these inputs; None if there is none, if it cannot be read, or if another try may end differently."""
+    """Return the stored run of these inputs; None if no run is stored, if it cannot be read, or if another try may end differently."""
     if exchange.inputs_digest(path) != inputs:
         return None
     try:

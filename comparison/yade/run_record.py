@@ -110,7 +110,7 @@ class Run(Held):
         return getattr(self.record, series)[self.record.stage == exchange.SETTLEMENT]
 
     def _on_plateau(self) -> np.ndarray:
-        """Return the indices of the stored states on the plateau; without a plateau its start is NaN, and there are none."""
+        """Return the indices of the stored states on the plateau; an empty array without a plateau, because its start is NaN."""
         return np.flatnonzero(self.poses.settlement >= self.result.plateau_start)
 
     def scatter(self) -> float:

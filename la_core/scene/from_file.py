@@ -194,7 +194,7 @@ def _content(source: Path) -> bytes:
 
 
 def _unit(suffix: str, content: bytes) -> tuple[str, str]:
-    """Unit of a drawing ("" for one without a name), and why it is a guess ("" if it is none): mm for a size above 500 units, else m."""
+    """Unit of a drawing ("" for a unit without a name), and the reason for a guess ("" for a known unit): mm above 500 units, else m."""
     try:
         metres = read_outlines(suffix, content, None, CURVE).unit
         return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), ""

@@ -72,7 +72,7 @@ class Command:
 def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
     """Return the least reaction over the weight, and the processor seconds of the whole process.
 
-    Raises PeerEnded where there is no answer, and PeerTooSlow where there is none after `limit` processor seconds.
+    Raises PeerEnded where a command ends without an answer, and PeerTooSlow where it has not ended after `limit` processor seconds.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wall.toml"

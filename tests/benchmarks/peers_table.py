@@ -53,7 +53,7 @@ class Row:
 
 
 def best_known(rows: Sequence[Row], scene: str) -> float:
-    """Return the value of the certified answer with the least residual; NaN where there is none."""
+    """Return the value of the certified answer with the least residual; NaN without a certified answer."""
     certified = [row for row in rows if (row.scene, row.posed, row.status) == (scene, LEAST_REACTION, SOLVED)]
     return min(certified, key=lambda row: row.residual).value if certified else math.nan
 

@@ -103,7 +103,7 @@ def unsure_methods(results: Results, stated: float) -> list[Unsure]:
 
 
 def stated_uncertainty(analysis: LimitAnalysis) -> float:
-    """Return the stated uncertainty of the prediction, N or N m; 0 if there is none, as for a bound or in a file of version 0.2.0."""
+    """Return the stated uncertainty of the prediction, N or N m; 0 for a bound, and for a file of version 0.2.0, which lacks it."""
     coulomb = analysis.coulomb
     if coulomb is None or coulomb.status not in (Status.SOLVED, Status.INACCURATE) or not coulomb.uncertainty > 0.0:
         return 0.0
