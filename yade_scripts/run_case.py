@@ -66,7 +66,7 @@ def defer_console() -> None:
 
 
 def find_yade() -> str:
-    """Return the folder of YADE's Python modules; raises ImportError with the command that installs YADE if there is none."""
+    """Return the folder of YADE's Python modules; raises ImportError with the command that installs YADE if YADE is not installed."""
     named = os.environ.get("YADE_MODULES")
     # Debian ships builds of several precisions side by side: double precision is preferred.
     installed = sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))

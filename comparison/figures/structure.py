@@ -56,7 +56,7 @@ MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides
 def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, spots: Sequence[Sequence[float]] = ()) -> Figure:
     """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load.
 
-    The title is the scene's where none is given. spots: places of faults, (x, y, z) in m, with the mark of gaps that a tolerance
+    By default the title is that of the scene. spots: places of faults, (x, y, z) in m, with the mark of gaps that a tolerance
     could not close.
     """
     figure = blank_figure(assembly, 1, scene.title if title is None else title)

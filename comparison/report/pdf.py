@@ -14,7 +14,7 @@ PATIENCE = 300.0  # s for one page; a report of many scenes takes a few
 
 
 def find_browser() -> str | None:
-    """Return the path of an installed browser that prints pages; None where there is none."""
+    """Return the path of an installed browser that prints pages; None if no such browser is installed."""
     return next((found for name in BROWSERS if (found := shutil.which(name))), None)
 
 

@@ -158,6 +158,7 @@ def page(record: dict[str, Any]) -> str:
         ("" if family == "stones" else f" --family {family}")
         + ("" if seed == module.SEED else f" --seed {seed} --record FILE")
         + ("" if repeated else " --once")
+        + (" --try-harder" if any("harder" in entry for entry in entries) else "")
     )
     title = title if seed == module.SEED else f"{title}, seed {seed}"
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]

@@ -99,6 +99,13 @@ def test_a_page_without_second_runs_does_not_speak_of_them() -> None:
     assert "| 1 wall, down | 12 | 0.500 | 0.1000 ± 0.0001 | 0.2000 ± 0.0001 | 50 | ✗ disagree | 2 |" in text
 
 
+def test_a_page_names_the_option_of_its_second_attempts() -> None:
+    entries = [entry(0, "agree", 0.1), entry(1, "inconclusive", 0.1) | {"harder": entry(1, "agree", 0.1)}]
+    text = page({"seed": 7, "versions": {}, "scenes": {str(one["number"]): one for one in entries}})
+    assert "benchmark_verdicts.py --seed 7 --record FILE --once --try-harder`" in text
+    assert "--try-harder" not in page({"seed": 7, "versions": {}, "scenes": {"0": entries[0]}})
+
+
 def test_a_page_counts_the_agreements_that_were_run_again() -> None:
     entries = [entry(0, "agree", 0.1, 0.1), entry(1, "agree", 0.1), entry(2, "disagree", 0.2)]
     text = page({"seed": SEED, "versions": {}, "scenes": {str(one["number"]): one for one in entries}})

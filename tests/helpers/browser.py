@@ -28,7 +28,7 @@ KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "0": 
 
 
 def find_browser() -> str | None:
-    """Return the path of a Chromium or Chrome; None where there is none."""
+    """Return the path of an installed Chromium or Chrome; None if neither is installed."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
