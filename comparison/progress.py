@@ -61,6 +61,7 @@ class Narration(_Bars):
         super().__init__(console, TimeElapsedColumn())
         self._tasks: dict[str, TaskID] = {}
         self._analysed: Scene | None = None
+        self._modelled = 0  # blocks that its paths model
         self._pace = _Pace()
         self._announced: dict[str, int] = {}  # last attempt of YADE that was announced, by scene
 
@@ -72,7 +73,7 @@ class Narration(_Bars):
     def bounds(self, analysis: LimitAnalysis) -> None:
         """Print the bounds; the paths that follow belong to the same analysis."""
         self._end_bar(analysis.scene.name)
-        self._analysed, self._pace = analysis.scene, _Pace()
+        self._analysed, self._modelled, self._pace = analysis.scene, 0, _Pace()
         self.tell_bounds(analysis)
 
     def tell_bounds(self, analysis: LimitAnalysis) -> None:
@@ -80,9 +81,13 @@ class Narration(_Bars):
         self._say(f"{analysis.scene.name}: limit analysis: {bounds_words(analysis)}")
 
     def path(self, report: PathProgress) -> None:
-        """Show the progress of the prediction's paths."""
+        """Show the progress of the prediction's paths, and print where they begin again with more blocks."""
         scene, share = self._analysed, report.share
         assert scene is not None  # bounds come first
+        if report.blocks > self._modelled > 0:
+            begin_again = f"the paths begin again with {report.blocks} free blocks"
+            self._say(f"{scene.name}: limit analysis: {begin_again}, because the answer with {self._modelled} need not hold for all")
+        self._modelled = report.blocks
         which = f"path {report.path} of {report.paths}" if report.paths > 1 else "path"
         left = self._pace.time_left(share)
         if self._is_heard:  # a path has thousands of points

@@ -92,6 +92,9 @@ class PathProgress:
         First viscosity of the path.
     path, paths : int
         Number of this path, from 1, and of all paths.
+    blocks : int
+        Number of free blocks that the paths model; 0 where unknown. If it grows, the paths have begun again, because blocks that were set
+        aside may move.
     """
 
     progress: float
@@ -100,6 +103,7 @@ class PathProgress:
     viscosity: float
     path: int
     paths: int
+    blocks: int = 0
 
 
 Reporter = Callable[[PathProgress], None]
@@ -123,7 +127,7 @@ class SharedProgress:
 
     def __init__(self, joints: ElasticJoints, report: Reporter | None, paths: int, goes_on: bool = False) -> None:
         self._joints, self._report, self._goes_on = joints, report, goes_on
-        self._shares = [0.0] * paths
+        self._shares, self._blocks = [0.0] * paths, int(joints.assembly.blocks.free.sum())
         self._lock, self._is_stopped = threading.Lock(), False
 
     def stop(self) -> None:
@@ -148,7 +152,7 @@ class SharedProgress:
                 share = sum(self._shares) / len(self._shares) / (2.0 if self._goes_on else 1.0)
                 with self._lock:
                     value = self._joints.value_in_units(value)
-                    self._report(PathProgress(progress, share, value, viscosity, path, len(self._shares)))
+                    self._report(PathProgress(progress, share, value, viscosity, path, len(self._shares), self._blocks))
 
         return send
 

@@ -57,6 +57,17 @@ def test_lines_are_few_where_there_is_no_terminal(
     assert ": path " not in capsys.readouterr().err
 
 
+def test_paths_that_begin_again_with_more_blocks_say_so_at_once(
+    ticks: Callable[[float], None], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ticks(LINE_EVERY / 100.0)
+    with_reports(monkeypatch, reports=tuple(PathProgress(0.1, 0.1, 100.0, 0.01, 1, 2, blocks) for blocks in (0, 300, 300, 400, 400)))
+    assert main(["solve", "two_pads"]) == AGREE
+    said = [line for line in capsys.readouterr().err.splitlines() if "again" in line]
+    again = "the paths begin again with 400 free blocks, because the answer with 300 need not hold for all"
+    assert said == [f"two_pads: limit analysis: {again}"]
+
+
 def test_a_multiplier_has_no_weight(
     ticks: Callable[[float], None], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

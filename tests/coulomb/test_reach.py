@@ -19,7 +19,7 @@ from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb import ACCEPTED_RESIDUAL, predict
+from la_core.coulomb import ACCEPTED_RESIDUAL, PathProgress, predict
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -34,6 +34,16 @@ HISTORY = 1e-2  # of the reaction: largest change by friction's history next to 
 SAME = 1e-9  # of the value: one and the same computation
 SOLVER = 1e-6  # of the weight: two solutions of one programme
 INSET = 0.001
+
+
+class Heard(Silent):
+    """A listener that keeps the number of blocks in each report of a path."""
+
+    def __init__(self) -> None:
+        self.blocks: list[int] = []
+
+    def path(self, report: PathProgress) -> None:
+        self.blocks.append(report.blocks)
 
 
 def end_settles(**options: Any) -> Scene:
@@ -185,6 +195,14 @@ def test_a_value_after_a_release_is_told_where_its_own_state_is_proven(monkeypat
     assert np.isfinite(told.coulomb.released) and np.isnan(left_out.coulomb.released)
     assert left_out.coulomb.value == told.coulomb.value
     assert "turning blocks may release a thrust" in left_out.assembly.effects.reasons["rotation"]
+
+
+@pytest.mark.parametrize(("requested", "rounds"), [(True, 3), (False, 1)])
+def test_paths_that_begin_again_say_how_many_blocks_they_model(requested: bool, rounds: int) -> None:
+    heard = Heard()
+    analysis = analyse(pushed_row(reach=requested), listener=heard)
+    counts = list(dict.fromkeys(heard.blocks))
+    assert len(counts) == rounds and counts == sorted(counts) and counts[-1] == analysis.assembly.blocks.free.sum()
 
 
 def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
