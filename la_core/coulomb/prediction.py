@@ -18,13 +18,13 @@ from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSetting
 from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.rest import come_to_rest, value_at_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.release import released
 from la_core.coulomb.several_paths import BROAD, disagree, joints_of_path, left_by_smoothing, on_one_plateau, stated_uncertainty
 from la_core.coulomb.sharp_path import follow, with_peak
-from la_core.coulomb.solution import CoulombSolution, without_answer
+from la_core.coulomb.solution import CoulombSolution, reaching_to, without_answer
 from la_core.limit import Solution, Status
 from la_core.model import Assembly, JointStiffness
 from la_core.side_by_side import side_by_side
@@ -78,21 +78,10 @@ def predict(
     turning = 0.0 if assembly.effects.rotation == "small" else 1.0 if as_given else 1.0 / STIFFER
     solution = _followed_from_rest(assembly, stiffness, turning, wedging, settings or PredictionSettings(), report)
     if has_bound:
-        return _reaching_to(solution, associated.value, assembly.has_live_load)
+        return reaching_to(solution, associated.value, assembly.has_live_load)
     if solution.status is Status.SOLVED and not _is_locked_in(solution):
         return solution
     return without_answer(assembly, Status.UNBOUNDED, solution.seconds, solution.iterations)
-
-
-def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> CoulombSolution:
-    """Return the prediction. If its value lies beyond the bound, where no equilibrium exists, its uncertainty reaches to the bound.
-
-    A path may end beyond the bound where blocks with little of the mass fail first: its drag still holds them.
-    """
-    sign = 1.0 if is_live else -1.0
-    uncertainty = max(solution.uncertainty, sign * (solution.value - bound))
-    after_release = float(np.maximum(solution.released_uncertainty, sign * (solution.released - bound)))
-    return replace(solution, uncertainty=uncertainty, released_uncertainty=after_release)
 
 
 def _is_held_back(solution: CoulombSolution, unit: float) -> bool:
@@ -141,7 +130,7 @@ def _followed_from_rest(
     if joints.live and not followed[-1].smooth_error:
         solution, more = with_peak(joints, tangent, rest, solution, stiffness.travel, settings, progress)
         iterations += more
-    return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
+    return replace(solution, at_rest=value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
 
 def _has_one_value(joints: ElasticJoints, solution: CoulombSolution) -> bool:
@@ -182,20 +171,6 @@ def _falls(joints: ElasticJoints, solution: CoulombSolution) -> bool:
 def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> CoulombSolution:
     """Return a prediction without a value, and with an infinite uncertainty. start: reading of the clock at its start, s."""
     return replace(without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations), uncertainty=math.inf)
-
-
-def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float) -> float:
-    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest.
-
-    wedging: motion of the support against its settlement before gravity acts, m or rad.
-    """
-    joints = ElasticJoints(assembly, stiffness)
-    rest, _ = come_to_rest(joints, Tangent(joints), wedging / stiffness.travel)
-    return float("nan") if rest is None else _value_at_rest(joints, rest)
-
-
-def _value_at_rest(joints: ElasticJoints, rest: State) -> float:
-    return 0.0 if joints.live else joints.value_in_units(joints.reaction(rest.joints.force))
 
 
 def _paths(

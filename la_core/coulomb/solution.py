@@ -1,6 +1,6 @@
 """Answer of Coulomb limit analysis."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -161,6 +161,17 @@ def _by_dilatancy(assembly: Assembly, associated: Solution) -> float:
     multiplier too large, by this power.
     """
     return mechanism.friction_power(assembly, associated.twists, associated.forces)
+
+
+def reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> CoulombSolution:
+    """Return the prediction. If its value lies beyond the bound, where no equilibrium exists, its uncertainty reaches to the bound.
+
+    A path may end beyond the bound where blocks with little of the mass fail first: its drag still holds them.
+    """
+    sign = 1.0 if is_live else -1.0
+    uncertainty = max(solution.uncertainty, sign * (solution.value - bound))
+    after_release = float(np.maximum(solution.released_uncertainty, sign * (solution.released - bound)))
+    return replace(solution, uncertainty=uncertainty, released_uncertainty=after_release)
 
 
 def without_answer(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:

@@ -12,6 +12,7 @@ import numpy as np
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State, Target, advance
 from la_core.coulomb.path.tangent import Tangent
+from la_core.model import Assembly, JointStiffness
 
 REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
 AT_REST = 1e-6  # of the travel: displacement in the last step to rest
@@ -55,6 +56,21 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
         return None, iterations
     state, more = rest_from(joints, tangent, grown, smoothing)
     return state, iterations + more
+
+
+def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float) -> float:
+    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest.
+
+    wedging: motion of the support against its settlement before gravity acts, m or rad.
+    """
+    joints = ElasticJoints(assembly, stiffness)
+    rest, _ = come_to_rest(joints, Tangent(joints), wedging / stiffness.travel)
+    return float("nan") if rest is None else value_at_rest(joints, rest)
+
+
+def value_at_rest(joints: ElasticJoints, rest: State) -> float:
+    """Reaction (N or N m) of a state at rest, or 0 for a live load."""
+    return 0.0 if joints.live else joints.value_in_units(joints.reaction(rest.joints.force))
 
 
 def rest_from(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
