@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,6 +26,10 @@ from la_core.measures import mechanism
 from la_core.model import Assembly, Effects
 
 Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp edges; one object twice where both are equal
+
+
+class _DoesNotHoldError(Exception):
+    """The coarsest path of a region shows that its answer does not hold for the whole structure; the text says why, as a clause."""
 
 
 def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings, listener: AnalysisListener) -> Pair:
@@ -62,8 +67,11 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     for aside in decision.aside:
         why_enough = reach.reason(reach.set_aside(model.assembly, aside))
         region = _with_effects(_held(bounds, aside), decision.effects.with_effect("reach", True, why_enough))
-        predicted = _predicted(model, region, decision.search, settings.prediction, listener)
-        obstacle = _why_not_valid(bounds, predicted)
+        try:
+            predicted = _predicted(model, region, decision.search, settings.prediction, listener, bounds)
+            obstacle = _why_not_valid(bounds, predicted)
+        except _DoesNotHoldError as shown:
+            obstacle = str(shown)
         if not obstacle:
             return _explained(model, _with_whole_at_rest(model, _with_release_proven(bounds[0], predicted)))
         reason = f"the whole structure is modelled, because {obstacle}"
@@ -111,6 +119,15 @@ def _why_not_valid(whole: Pair, region: Pair) -> str:
     return ""
 
 
+def _require_valid(complete: Answers, reduced: Answers, twists: np.ndarray, forces: np.ndarray) -> None:
+    """Raise _DoesNotHoldError where a mechanism (B, 6) and forces (C, 3) of the region do not hold for the whole structure.
+
+    The finest path decides where there are no forces, which are then NaN.
+    """
+    if np.isfinite(forces).all() and (obstacle := reach.why_not_valid(complete.assembly, reduced.assembly, twists, forces)):
+        raise _DoesNotHoldError(obstacle)
+
+
 def _with_release_proven(whole: Answers, region: Pair) -> Pair:
     """Return a region's answers; a value after a release is removed if its state does not hold for the whole structure."""
     at_inset, sharp = region
@@ -124,11 +141,18 @@ def _with_release_proven(whole: Answers, region: Pair) -> Pair:
 
 
 def _predicted(
-    model: StructuralModel, answers: Pair, search: Sliding | None, settings: PredictionSettings, listener: AnalysisListener
+    model: StructuralModel,
+    answers: Pair,
+    search: Sliding | None,
+    settings: PredictionSettings,
+    listener: AnalysisListener,
+    whole: Pair | None = None,
 ) -> Pair:
     """Return the answers with their prediction, where the scene needs one.
 
-    Where a search found no sliding joint, the associated answer is the prediction. search: None where there was no search.
+    Where a search found no sliding joint, the associated answer is the prediction. search: None where there was no search. whole: answers
+    of the whole structure, where `answers` are those of a region; finer paths are then not followed where the coarsest one shows that
+    they cannot hold for the whole structure, and _DoesNotHoldError is raised.
     """
     at_inset, sharp = answers
 
@@ -142,7 +166,8 @@ def _predicted(
         as_given = has_given_stiffness(model.scene)
         goes_on = bounds is at_inset and model.scene.effects.rotation == "auto" and not as_given
         asked = replace(settings, with_release=goes_on)
-        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), asked, listener.path, as_given)
+        check = partial(_require_valid, whole[0 if bounds is at_inset else 1], bounds) if whole else None
+        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), asked, listener.path, as_given, check)
 
     if at_inset.assembly.effects.friction != "coulomb" and slides:
         return answers

@@ -8,6 +8,7 @@ end of the finest path. Its uncertainty comes from the differences between the p
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -40,6 +41,8 @@ UNKNOWN = 100.0
 # 1.3 already showed that this state was wrong, and 3 led to the value of YADE.
 FINER_STEPS = 3.0
 
+Check = Callable[[np.ndarray, np.ndarray], None]
+
 
 def predict(
     assembly: Assembly,
@@ -49,6 +52,7 @@ def predict(
     settings: PredictionSettings | None = None,
     report: Reporter | None = None,
     as_given: bool = False,
+    check: Check | None = None,
 ) -> CoulombSolution:
     """Follow the structure from rest to its plateau and return the state there.
 
@@ -70,13 +74,16 @@ def predict(
         Receives the progress of the paths.
     as_given : bool
         Whether finite rotations are those of joints with this stiffness, over the travel; if not, the path represents stiffer joints.
+    check : callable, optional
+        Receives the mechanism, shape (B, 6), and the contact forces (N), shape (C, 3), at the end of the coarsest path, before finer ones
+        have ended. An exception that it raises ends the prediction.
     """
     has_bound = associated.status is Status.SOLVED
     may_move = associated.status is Status.UNBOUNDED and assembly.effects.elasticity != "none"
     if not (has_bound or may_move):
         return without_answer(assembly, associated.status)
     turning = 0.0 if assembly.effects.rotation == "small" else 1.0 if as_given else 1.0 / STIFFER
-    solution = _followed_from_rest(assembly, stiffness, turning, wedging, settings or PredictionSettings(), report)
+    solution = _followed_from_rest(assembly, stiffness, turning, wedging, settings or PredictionSettings(), report, check)
     if has_bound:
         return reaching_to(solution, associated.value, assembly.has_live_load)
     if solution.status is Status.SOLVED and not _is_locked_in(solution):
@@ -103,7 +110,13 @@ def _is_locked_in(solution: CoulombSolution) -> bool:
 
 
 def _followed_from_rest(
-    assembly: Assembly, stiffness: JointStiffness, turning: float, wedging: float, settings: PredictionSettings, report: Reporter | None
+    assembly: Assembly,
+    stiffness: JointStiffness,
+    turning: float,
+    wedging: float,
+    settings: PredictionSettings,
+    report: Reporter | None,
+    check: Check | None,
 ) -> CoulombSolution:
     """Return the prediction of a structure that can stand. turning: see `ElasticJoints`; other parameters: see `predict`."""
     start = time.perf_counter()
@@ -113,10 +126,10 @@ def _followed_from_rest(
     if rest is None:
         return _of_falling_blocks(assembly, start, iterations)
     progress = SharedProgress(joints, report, len(settings.viscosities), settings.with_release)
-    followed = _paths(joints, tangent, rest, settings, progress) if len(joints.weights) <= LARGE else []
+    followed = _paths(joints, tangent, rest, settings, progress, check) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
     if not followed or followed[-1].is_short:
-        smooth = _smooth_paths(joints, -rest.progress, settings, report)
+        smooth = _smooth_paths(joints, -rest.progress, settings, report, check)
         iterations += sum(path.iterations for path in smooth)
         followed = smooth or followed
     if not followed:
@@ -174,11 +187,11 @@ def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> Cou
 
 
 def _paths(
-    joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, progress: SharedProgress
+    joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, progress: SharedProgress, check: Check | None
 ) -> list[FollowedPath]:
     """Follow paths with sharp joints, each at least as far as those before; return none where one of them cannot go on.
 
-    After a path whose effort ends before its least travel no other path follows. See `joints_of_path`.
+    After a path whose effort ends before its least travel no other path follows. See `joints_of_path`. check: see `predict`.
     """
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):
@@ -192,6 +205,8 @@ def _paths(
         followed.append(one)
         if one.is_short:
             break
+        if check is not None and number == 1:
+            check(*mechanism_and_forces(own, one.end))
     return followed
 
 
@@ -209,19 +224,24 @@ def _finer_path(
     return follow(joints, tangent, rest, viscosity, finer, least, *progress.senders_of_more([viscosity]))
 
 
-def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
+def _smooth_paths(
+    joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None, check: Check | None
+) -> list[FollowedPath]:
     """Follow paths with smooth joints side by side, because they are independent; return none where one of them cannot begin.
 
     Where the smoothing leaves the value too uncertain for the judge of the comparison, a finer path follows. It counts if it comes
-    to its end.
+    to its end. check: see `predict`.
     """
     number = len(settings.viscosities)
     progress = SharedProgress(joints, report, number)
 
     def followed(path: int) -> FollowedPath | None:
         viscosity = settings.viscosities_in_turn[path - 1]
-        send = progress.sender(viscosity, path)
-        return follow_large(joints_of_path(joints, path, settings), Tangent(joints), wedging, viscosity, settings, path >= number, send)
+        own, send = joints_of_path(joints, path, settings), progress.sender(viscosity, path)
+        one = follow_large(own, Tangent(joints), wedging, viscosity, settings, path >= number, send)
+        if check is not None and path == 1 and one is not None:
+            check(*mechanism_and_forces(own, one.end))
+        return one
 
     made = side_by_side(followed, range(1, number + 1), progress.stop)
     paths = [path for path in made if path is not None]

@@ -19,7 +19,7 @@ from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb import ACCEPTED_RESIDUAL, PathProgress, predict
+from la_core.coulomb import ACCEPTED_RESIDUAL, PathProgress, predict, prediction
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -37,13 +37,13 @@ INSET = 0.001
 
 
 class Heard(Silent):
-    """A listener that keeps the number of blocks in each report of a path."""
+    """A listener that keeps the number of blocks and of the path in each report."""
 
     def __init__(self) -> None:
-        self.blocks: list[int] = []
+        self.paths: dict[int, set[int]] = {}
 
     def path(self, report: PathProgress) -> None:
-        self.blocks.append(report.blocks)
+        self.paths.setdefault(report.blocks, set()).add(report.path)
 
 
 def end_settles(**options: Any) -> Scene:
@@ -201,8 +201,20 @@ def test_a_value_after_a_release_is_told_where_its_own_state_is_proven(monkeypat
 def test_paths_that_begin_again_say_how_many_blocks_they_model(requested: bool, rounds: int) -> None:
     heard = Heard()
     analysis = analyse(pushed_row(reach=requested), listener=heard)
-    counts = list(dict.fromkeys(heard.blocks))
+    counts = list(heard.paths)
     assert len(counts) == rounds and counts == sorted(counts) and counts[-1] == analysis.assembly.blocks.free.sum()
+    assert {1, 2} <= heard.paths[counts[-1]]
+    assert all(heard.paths[count] == {1} for count in counts[:-1])  # the coarsest path shows that the answer would not hold
+
+
+@pytest.mark.parametrize("threads", ["1", "2"])
+def test_smooth_paths_side_by_side_give_up_a_region_and_find_the_same_answer(threads: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    monkeypatch.setenv("OMP_NUM_THREADS", threads)
+    heard, (asked, plain) = Heard(), (pushed_row(reach=request) for request in (True, False))
+    given_up, whole = analyse(asked, listener=heard), analyse(plain)
+    assert len(heard.paths) == 3 and "moves within" in given_up.assembly.effects.reasons["reach"]
+    assert reaction(given_up) == pytest.approx(reaction(whole), rel=SAME)
 
 
 def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
