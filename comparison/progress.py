@@ -61,7 +61,7 @@ class Narration(_Bars):
         super().__init__(console, TimeElapsedColumn())
         self._tasks: dict[str, TaskID] = {}
         self._analysed: Scene | None = None
-        self._modelled = 0  # blocks that its paths model
+        self._modelled = 0  # free blocks in its paths; 0 before the first report
         self._pace = _Pace()
         self._announced: dict[str, int] = {}  # last attempt of YADE that was announced, by scene
 
@@ -85,8 +85,8 @@ class Narration(_Bars):
         scene, share = self._analysed, report.share
         assert scene is not None  # bounds come first
         if report.blocks > self._modelled > 0:
-            begin_again = f"the paths begin again with {report.blocks} free blocks"
-            self._say(f"{scene.name}: limit analysis: {begin_again}, because the answer with {self._modelled} need not hold for all")
+            why = f"the answer with {self._modelled} is not proven for the whole structure"
+            self._say(f"{scene.name}: limit analysis: the paths begin again with {report.blocks} free blocks, because {why}")
         self._modelled = report.blocks
         which = f"path {report.path} of {report.paths}" if report.paths > 1 else "path"
         left = self._pace.time_left(share)

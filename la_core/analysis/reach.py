@@ -33,7 +33,7 @@ LAYERS = (4, 8)  # of neighbours around all blocks that rest on the support, one
 MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set aside
 # Of the free blocks. A smaller share is not worth a proof that may fail. If the proof holds, prediction and YADE model fewer blocks.
 # If it fails, the prediction is made again. The proof failed on two of nine random walls of 530 to 910 blocks, so that a share below about
-# 2/9 would cost the prediction more than it saves.
+# 2/9 would cost the prediction more than it saves. That was before a failing region was given up after its coarsest path.
 LEAST_SHARE, LEAST_BLOCKS = 0.25, 100
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
 PATH_IS_REQUESTED = "a path is requested, and at its start every block sags"  # reason to model the whole structure

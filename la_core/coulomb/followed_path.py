@@ -93,8 +93,8 @@ class PathProgress:
     path, paths : int
         Number of this path, from 1, and of all paths.
     blocks : int
-        Number of free blocks that the paths model; 0 where unknown. If it grows, the paths have begun again, because blocks that were set
-        aside may move.
+        Number of free blocks that the paths model; 0 where unknown. If it grows, the paths have begun again, because the answer with
+        fewer blocks is not proven for the whole structure.
     """
 
     progress: float

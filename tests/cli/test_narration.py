@@ -64,7 +64,7 @@ def test_paths_that_begin_again_with_more_blocks_say_so_at_once(
     with_reports(monkeypatch, reports=tuple(PathProgress(0.1, 0.1, 100.0, 0.01, 1, 2, blocks) for blocks in (0, 300, 300, 400, 400)))
     assert main(["solve", "two_pads"]) == AGREE
     said = [line for line in capsys.readouterr().err.splitlines() if "again" in line]
-    again = "the paths begin again with 400 free blocks, because the answer with 300 need not hold for all"
+    again = "the paths begin again with 400 free blocks, because the answer with 300 is not proven for the whole structure"
     assert said == [f"two_pads: limit analysis: {again}"]
 
 
