@@ -27,7 +27,7 @@ MEANINGS = {  # of every exit code, for the help and the page of the command lin
     DISAGREE: "disagree; without YADE: the expected value is not met; of `compare`: something changed",
     USAGE: "usage or scene error, also a setting that YADE refuses for the structure",
     TOOL: "a tool is missing or failed, or a file or folder cannot be written",
-    INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`, `failed`, or `unbounded` without a prediction",
+    INCONCLUSIVE: "inconclusive; without YADE also where limit analysis is `inaccurate`, `failed`, or `unbounded` without a prediction",
     CANNOT_STAND: "the structure cannot stand under its weight and dead loads",
     INTERRUPTED: "interrupted by Ctrl-C",
 }

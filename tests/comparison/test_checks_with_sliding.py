@@ -1,6 +1,7 @@
 """Where joints slide, a run is compared with the prediction. Neither its interval nor a large uncertainty excuses a difference."""
 
 import dataclasses
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -177,6 +178,23 @@ def test_a_prediction_in_doubt_may_confirm_but_not_contradict_and_a_broad_one_do
     check = next(c for c in found if c.name == "reaction against prediction")
     assert check.verdict is (Verdict.INCONCLUSIVE if reason else Verdict.AGREE) and reason in check.reason
     assert Verdict.DISAGREE not in {c.verdict for c in found}
+
+
+@pytest.mark.parametrize(("interval", "words"), [((math.nan, math.nan), " The mechanism's interval is unknown"), (None, "")])
+def test_an_agreement_with_an_inaccurate_prediction_says_so(
+    wall: tuple[Scene, LimitAnalysis], interval: tuple[float, float] | None, words: str
+) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    changes = {"status": Status.INACCURATE, "sliding_residual": 2e-3} | ({"interval": interval} if interval else {})
+    coulomb = dataclasses.replace(analysis.coulomb, **changes)
+    found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis)))
+    told = conclusion(found, {"status": "plateau"})
+    assert told.verdict is Verdict.AGREE
+    said = "ended as inaccurate: the largest residual of its limit state is 2.0e-03"
+    assert any(said in remark and words in remark for remark in told.remarks)
+    assert any("interval" in check.name for check in found) is not bool(words)
+    assert not any("inaccurate" in remark for remark in conclusion(check_run(Results(analysis, coulomb_run(analysis))), {}).remarks)
 
 
 def test_several_plateaus_that_make_a_prediction_uncertain_are_named(wall: tuple[Scene, LimitAnalysis]) -> None:

@@ -28,6 +28,7 @@ from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
 from la_core.analysis import wedging
+from la_core.limit import Status
 from la_core.measures import mechanism
 from la_core.text_table import ROUND_OFF
 
@@ -43,7 +44,8 @@ def check_prediction(results: Results) -> Iterator[Check]:
     analysis, run = results.analysis, results.recorded
     prediction = predicted(results)
     state = check_friction_state(results) if prediction.slides and analysis.coulomb is not None else None
-    yield (reaction := _check_reaction(results, prediction, state))
+    reaction = _check_reaction(results, prediction, state)
+    yield _with_inaccuracy(results, prediction, reaction)
     agrees = reaction.verdict is Verdict.AGREE
     if state is not None:
         if not agrees or reaction.limit_analysis == prediction.value:  # the interval is that of the mechanism before a release
@@ -58,6 +60,19 @@ def check_prediction(results: Results) -> Iterator[Check]:
 def _remark(check: Check) -> Check:
     """Return an inconclusive check as an agreeing one, with its reason as a remark."""
     return replace(check, verdict=Verdict.AGREE, next_step="") if check.verdict is Verdict.INCONCLUSIVE else check
+
+
+def _with_inaccuracy(results: Results, prediction: Prediction, check: Check) -> Check:
+    """Return the check; where it agrees with a prediction that ended as inaccurate, it says so as a remark."""
+    coulomb = results.analysis.coulomb
+    is_confirmed = check.verdict is Verdict.AGREE and check.limit_analysis == prediction.value
+    if coulomb is None or coulomb.status is not Status.INACCURATE or not is_confirmed:
+        return check
+    residual = f"the largest residual of its limit state is {coulomb.certificate:.1e}"
+    words = f"Coulomb limit analysis ended as inaccurate: {residual}. YADE confirms its value all the same."
+    unknown = any(math.isnan(end) for end in prediction.interval)
+    words += f" The mechanism's interval is unknown, so YADE's {results.scene.quantity} is not compared with it." if unknown else ""
+    return replace(check, reason=f"{check.reason} {words}".lstrip())
 
 
 def _check_reaction(results: Results, prediction: Prediction, state: Check | None) -> Check:
