@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure, SubFigure
 
 from comparison.figures.drawing_order import OuterFaces, are_behind, back_to_front, unit_normals
-from comparison.figures.line_labels import axis_numbers, beside_axis, extent, font_size
+from comparison.figures.line_labels import axis_numbers, beside_axis, extent, fitted_name
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
@@ -25,6 +25,7 @@ FAINT = "#9a9a9a"
 LOAD_COLOUR = "#1b7837"  # of dead loads and ties
 LOAD_LENGTH = 0.08  # of the structure's size: the arrow of the largest load
 MOST_LOADS = 40  # arrows in one figure
+LARGE_LOAD = 0.5  # of the largest load
 ASIDE = 3  # drawn as a fourth role: a free block that was left out of the modelled region and is held at rest
 ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
 ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
@@ -62,10 +63,14 @@ def structure_size(blocks: Blocks) -> float:
 def load_arrows(blocks: Blocks, point: np.ndarray, force: np.ndarray, most: int = MOST_LOADS) -> tuple[np.ndarray, np.ndarray]:
     """Return the indices (M,) of the forces that are drawn, and the starts (M, 3) of their arrows, m.
 
-    Of more than `most` forces (N, 3), evenly spaced ones are drawn. Arrows end at `point` (N, 3), m; a greater force has a longer one.
+    Of more than `most` forces (N, 3), evenly spaced ones are drawn, and the largest ones if these are few. Arrows end at `point` (N, 3),
+    m; a greater force has a longer one.
     """
     size = np.linalg.norm(force, axis=1)
-    shown = np.unique(np.linspace(0, len(size) - 1, most).astype(int)) if len(size) else np.zeros(0, dtype=int)
+    large = np.flatnonzero(size > LARGE_LOAD * size.max(initial=0.0))
+    large = large if len(large) <= most // 2 else large[:0]
+    others = np.setdiff1d(np.arange(len(size)), large)
+    shown = np.union1d(large, others[np.linspace(0, len(others) - 1, min(most - len(large), len(others))).astype(int)])
     length = LOAD_LENGTH * structure_size(blocks) * (0.4 + 0.6 * size[shown] / size.max(initial=0.0))
     return shown, point[shown] - (length / size[shown])[:, None] * force[shown]
 
@@ -91,8 +96,8 @@ def loops(points: np.ndarray, start: np.ndarray) -> list[np.ndarray]:
 class Canvas:
     """Axes that show one structure at equal scale, x to the right and z upwards; positions are (3,) or (N, 3) in m."""
 
-    def __init__(self, axes: Any, assembly: Assembly, width: float) -> None:
-        """Prepare the axes for a structure; `width` is the width of the axes on paper, in points."""
+    def __init__(self, axes: Any, assembly: Assembly, width: float, ties: np.ndarray | None = None) -> None:
+        """Prepare the axes for a structure and the ends (T, 2, 3) of its ties, m; `width` is the width of the axes on paper, in points."""
         self.axes = axes
         self.blocks = assembly.blocks
         self.plane = assembly.effects.plane
@@ -100,7 +105,7 @@ class Canvas:
         self.right, self.up, self.toward = view_axes(self.plane)
         self.order = np.arange(len(self.blocks)) if self.plane else back_to_front(assembly, self.toward)
         self.outer = OuterFaces(self.blocks, self.toward)
-        low, high = window(assembly)
+        low, high = window(assembly, ties)
         self.scale = width / (high - low)[0]  # pt per m
         self.dot = float(np.clip(np.median(np.cbrt(self.blocks.volume)) * self.scale / 10.0, 0.8, 3.5))  # pt, contact points
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
@@ -200,20 +205,16 @@ class Canvas:
         style = arrow_style(colour) | {"linewidth": width, "mutation_scale": 7.0 * width}
         self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=style)
 
-    def loads(self, point: np.ndarray, force: np.ndarray) -> None:
-        """Draw forces (N, 3) as arrows that end at their points (N, 3), m; of many forces only evenly spaced ones."""
+    def loads(self, point: np.ndarray, force: np.ndarray) -> int:
+        """Draw forces (N, 3) as arrows that end at their points (N, 3), m; return how many are drawn, see `load_arrows`."""
         shown, start = load_arrows(self.blocks, point, force)
         for first, last in zip(start, point[shown], strict=True):
             self.arrow(first, last, LOAD_COLOUR, 1.2)
+        return len(shown)
 
     def rods(self, ends: np.ndarray) -> None:
-        """Draw ties between their ends (T, 2, 3), m; the axes grow for ends that are at most one size of the structure away."""
+        """Draw ties between their ends (T, 2, 3), m."""
         self.outlines(list(ends), LOAD_COLOUR, 1.6)
-        flat, size = self.flat(ends.reshape(-1, 3)), structure_size(self.blocks)
-        low, high = np.transpose([self.axes.get_xlim(), self.axes.get_ylim()])
-        left, bottom = np.clip(flat.min(axis=0) - MARGIN * size, low - size, low)
-        right, top = np.clip(flat.max(axis=0) + MARGIN * size, high, high + size)
-        self.axes.set(xlim=(left, right), ylim=(bottom, top))
         self.marks(ends.reshape(-1, 3), marker="s", markersize=4.0, markerfacecolor=LOAD_COLOUR, markeredgecolor=LOAD_COLOUR)
 
     def gravity(self, direction: np.ndarray) -> None:
@@ -228,23 +229,18 @@ class Canvas:
 
     def names(self) -> None:
         """Write each block's name at its centroid, as large as the block allows there; in space, not over the name of a block before it."""
-        room, _, height = ((self.blocks.high - self.blocks.low) * self.scale).T
+        blocks, centre = self.blocks, self.flat(self.blocks.centroid)
+        room, _, height = ((blocks.high - blocks.low) * self.scale).T
         if self.plane:
-            room = self.scale * self.outer.room_beside(
-                self.flat(self.blocks.centroid), self.flat(self.blocks.vertices[self.blocks.face_vertex])
-            )
+            room = self.scale * self.outer.room_beside(centre, self.flat(blocks.vertices[blocks.face_vertex]))
         written: list[np.ndarray] = []  # lower left and upper right corners (2, 2) of names, m
         for block in self.order[::-1]:
-            name, centre, across, up = self.blocks.names[block], self.blocks.centroid[block], room[block], height[block]
-            whole = name if len(name) <= 24 else name[:23] + "…"
-            split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
-            sizes = {words: font_size(words, across, up) for words in (whole, split)}
-            largest = max(sizes, key=lambda words: sizes[words])
-            half = extent(largest, sizes[largest]) / 2.0 / self.scale
-            corners = self.flat(centre) + np.stack([-half, half])
+            words, size = fitted_name(blocks.names[block], room[block], height[block])
+            half = extent(words, size) / 2.0 / self.scale
+            corners = centre[block] + np.stack([-half, half])
             if self.plane or not any(np.all((corners[0] < other[1]) & (other[0] < corners[1])) for other in written):
                 written.append(corners)
-                self.text(centre, largest, sizes[largest])
+                self.text(blocks.centroid[block], words, size)
 
     def _scales(self) -> None:
         """Draw axes in space, m: x on the lower front edge, y on the lower right edge, z on the front left edge."""
@@ -273,21 +269,25 @@ def arrow_style(colour: str) -> dict[str, Any]:
     return {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
 
 
-def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int) -> list[Canvas]:
-    """Return `count` canvases for the structure, side by side, at equal scale."""
+def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int, ties: np.ndarray | None = None) -> list[Canvas]:
+    """Return `count` canvases for the structure and the ends (T, 2, 3) of its ties, m, side by side, at equal scale."""
     grid = figure.subplots(1, count, squeeze=False, sharey=True)[0]
     width = 0.88 * figure.figure.get_figwidth() * 72.0 / count
-    return [Canvas(axes, assembly, width) for axes in grid]
+    return [Canvas(axes, assembly, width, ties) for axes in grid]
 
 
-def window(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lower left and the upper right corner (2,) of a canvas, m, in the directions of the view."""
+def window(assembly: Assembly, ties: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lower left and the upper right corner (2,) of a canvas, m, in the directions of the view.
+
+    ties: ends (T, 2, 3) of ties, m; the canvas has room for ends that are at most one size of the structure away.
+    """
     low, high = assembly.blocks.low.min(axis=0), assembly.blocks.high.max(axis=0)
     corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3)
     right, up, _ = view_axes(assembly.effects.plane)
-    flat = corners @ np.stack([right, up], axis=1)
-    margin = MARGIN * structure_size(assembly.blocks)
-    return flat.min(axis=0) - margin, flat.max(axis=0) + margin
+    view, size = np.stack([right, up], axis=1), structure_size(assembly.blocks)
+    low, high = (corners @ view).min(axis=0) - MARGIN * size, (corners @ view).max(axis=0) + MARGIN * size
+    ends = (corners if ties is None else ties.reshape(-1, 3)) @ view
+    return np.clip(ends.min(axis=0) - MARGIN * size, low - size, low), np.clip(ends.max(axis=0) + MARGIN * size, high, high + size)
 
 
 def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 ROW = 0.055  # of the height of axes 3.8 inches high: one row of text and its gap to the line
 SIZE = 8.0  # pt
 TOUCHING = 0.004  # of the axes' height: a label at one of two lines this close does not count as covering the other
+LONGEST_NAME, SHORTEST_NAME = 24, 8  # characters of a block's name: longer ones are cut, in a narrow block to no fewer than the second
 BOX = {"facecolor": "white", "alpha": 0.75, "linewidth": 0.0, "pad": 0.6}
 RIGHT = 0.98  # of the axes' width: the right end of labels, because records fall steeply on the left
 
@@ -42,6 +43,25 @@ class Word:
 def font_size(words: str, width: float, height: float) -> float:
     """Return the font size (pt) at which words fit into a width and a height (pt), within the allowed sizes."""
     return float(np.clip(np.min(np.array([width, height]) / extent(words, 1.0)), 5.0, 9.0))
+
+
+def fitted_name(name: str, width: float, height: float) -> tuple[str, float]:
+    """Return the words of a block's name and their font size (pt), as large as a width and a height (pt) allow.
+
+    A long name is cut, in a narrow block to few characters.
+    """
+    whole = _end(name, LONGEST_NAME)
+    split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
+    sizes = {words: font_size(words, width, height) for words in (whole, split)}
+    words = max(sizes, key=lambda one: sizes[one])
+    if (needed := extent(words, sizes[words])[0]) > width:  # too wide in the smallest letters
+        words = _end(whole, max(int(len(whole) * width / needed), SHORTEST_NAME))
+    return words, font_size(words, width, height)
+
+
+def _end(name: str, most: int) -> str:
+    """Return the end of a name, of at most `most` characters, because the end tells the blocks of one wall apart."""
+    return name if len(name) <= most else "…" + name[1 - most :].lstrip()
 
 
 def extent(words: str, size: float) -> np.ndarray:

@@ -43,6 +43,7 @@ from la_core.scene import Scene
 
 SHORT = 0.2  # of the longest arrow: shorter arrows of a turning support are left out
 TITLE_WIDTH = 90  # characters
+TITLE_LINE = 0.19  # inches: each line of a title after the first
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 LEAST_DOT = 1.2  # pt: contact points of large structures would be smaller, and are left out
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
@@ -59,8 +60,9 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     By default the title is that of the scene. spots: places of faults, (x, y, z) in m, with the mark of gaps that a tolerance
     could not close.
     """
-    figure = blank_figure(assembly, 1, scene.title if title is None else title)
-    (canvas,) = canvases(figure, assembly, 1)
+    ties = None if scene.ties is None else scene.ties.ends
+    figure = blank_figure(assembly, 1, scene.title if title is None else title, ties)
+    (canvas,) = canvases(figure, assembly, 1, ties)
     blocks, interfaces = assembly.blocks, assembly.interfaces
     canvas.solids(blocks.vertices, *looks(assembly))
     if not canvas.plane:
@@ -76,10 +78,11 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
         canvas.marks(np.array(unclosed), markersize=UNCLOSED_SIZE, **UNCLOSED)
     if canvas.few:
         canvas.names()
-    canvas.loads(scene.loads.point, scene.loads.force)
-    load_keys = [_arrow_key("dead load", LOAD_COLOUR)] if len(scene.loads) else []
-    if scene.ties is not None:
-        canvas.rods(scene.ties.ends)
+    drawn, total = canvas.loads(scene.loads.point, scene.loads.force), len(scene.loads)
+    load_name = "dead load" if drawn == total else f"dead load ({drawn} of {total} drawn)"
+    load_keys = [_arrow_key(load_name, LOAD_COLOUR)] if total else []
+    if ties is not None:
+        canvas.rods(ties)
         load_keys.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label="tie"))
     driven = _draw_drive(canvas, assembly, push_name(scene))
     canvas.gravity(assembly.down)
@@ -240,12 +243,14 @@ def _draw_drive(canvas: Canvas, assembly: Assembly, push: str) -> str:
     return "motion of the support"
 
 
-def blank_figure(assembly: Assembly, count: int, title: str) -> Figure:
-    """Return a figure for `count` canvases side by side; its height fits the structure."""
-    low, high = window(assembly)
+def blank_figure(assembly: Assembly, count: int, title: str, ties: np.ndarray | None = None) -> Figure:
+    """Return a figure for `count` canvases side by side; its height fits the structure, the ends (T, 2, 3) of ties, m, and the title."""
+    low, high = window(assembly, ties)
     width, height = high - low
     inches = 8.5 if count == 1 else 11.0
-    figure = Figure(figsize=(inches, float(np.clip(0.88 * inches / count * height / width, 1.5, 8.0)) + 1.6), layout="compressed")
+    of_title = TITLE_LINE * wrapped(title).count("\n")
+    of_axes = float(np.clip(0.88 * inches / count * height / width, 1.5, 8.0))
+    figure = Figure(figsize=(inches, of_axes + 1.6 + of_title), layout="compressed")
     FigureCanvasAgg(figure)
     if title:
         figure.suptitle(wrapped(title), fontsize=11, parse_math=False)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from figure_scenes import DOWN, LIVE, SCENES, scene_of, synthetic_run
 from matplotlib.text import Text
-from scenes import box, build, shipped
+from scenes import base, box, build, shipped
 
 import la_core
 from comparison.figures import canvas as drawing
@@ -17,7 +17,7 @@ from comparison.figures import motions, reaction_figure, scene_figures, structur
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.line_labels import ROW, Word, write_words
-from comparison.figures.save import rendered
+from comparison.figures.save import DPI, rendered
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
@@ -167,6 +167,50 @@ def test_names_of_blocks_in_space_do_not_cover_each_other() -> None:
     boxes = [text.get_window_extent() for text in figure.axes[0].texts if text.get_text().startswith("vault")]
     assert len(boxes) > len(scene.blocks) / 2
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+@pytest.mark.parametrize("width", [0.4, 1.2])
+def test_long_names_of_blocks_keep_their_ends_and_cover_no_other_name(width: float) -> None:
+    """The wall has a tie to an anchor beside it, for which the axes have room; the names are as small as the wall is drawn."""
+    table = {"name": "northern abutment, outer face", "bond": "stack", "origin": (0, 0, 0), "block": (width, 0.4, 0.3), "per_course": 3}
+    table |= {"courses": 5, "footing": {"height": 0.3, "settling": (2.0 * width, 3.0 * width)}}
+    tie = {"blocks": ["northern abutment, outer face 4.1"], "from": (0.0, 0.2, 1.05), "to": (-0.9, 0.2, 0.9), "force": 100.0}
+    scene = variant(shipped("two_pads"), {"wall": [table], "tie": [tie], "block": None})
+    figure = structure.assembly_figure(scene, assemble(scene))
+    figure.draw_without_rendering()
+    names = [text for text in figure.axes[0].texts if text.get_text().startswith("…")]
+    ends = [f"{course}.{k}" for course in range(1, 6) for k in range(1, 4)]
+    assert sorted(text.get_text()[-3:] for text in names if "footing" not in text.get_text()[-9:]) == ends
+    boxes = [text.get_window_extent() for text in names]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert figure.axes[0].get_xlim()[0] < -0.9
+
+
+def test_of_many_loads_the_largest_are_drawn_and_the_legend_gives_their_number() -> None:
+    """Two of 60 loads are a hundred times as large as the others. Where all are equal, the arrows lie evenly."""
+    pads = shipped("two_pads")
+    for large in ([17, 44], []):
+        loads = [
+            {"blocks": ["block"], "at": (0.01 * k, 0.0, 0.4), "force": (0.0, 0.0, -1000.0 if k in large else -10.0)} for k in range(60)
+        ]
+        scene = variant(pads, {"load": loads})
+        shown, start = drawing.load_arrows(scene.blocks, scene.loads.point, scene.loads.force)
+        assert len(shown) == len(start) == drawing.MOST_LOADS and {*large} <= {*shown.tolist()}
+        assert shown[0] == 0 and shown[-1] == 59 and np.diff(shown).max() <= 3
+        (legend,) = structure.assembly_figure(scene, assemble(scene)).legends
+        assert "dead load (40 of 60 drawn)" in [text.get_text() for text in legend.get_texts()]
+
+
+def test_under_a_title_of_several_lines_the_label_of_the_axis_keeps_off_the_legend() -> None:
+    load = {"blocks": ["beam"], "force": (0.0, 0.0, -500.0)}  # a seventh entry of the legend makes a second row
+    title = {"title": " ".join(9 * ["a title of several lines"]), "load": [load]}
+    scene = variant(build(*base(1.0, 2.0), box("beam", (0.0, 0.0, 0.0), (2.0, 1.0, 0.4))), title)
+    figure = structure.assembly_figure(scene, assemble(scene))
+    figure.set_dpi(DPI)
+    figure.draw_without_rendering()  # once, as for a file
+    axes, (legend,) = figure.axes[0], figure.legends
+    assert figure.get_suptitle().count("\n") >= 2
+    assert axes.xaxis.label.get_window_extent().y0 > legend.get_window_extent().y1
 
 
 def test_an_arrow_of_a_load_is_seen_above_the_name_of_its_block() -> None:
