@@ -36,6 +36,10 @@ _SLIPS = (  # patterns of lines that are not valid TOML, each with its hint; the
     (r"\{[^}]*,\s*\}", "no comma stands before the closing brace"),
     (r"\{[^}\[]*(\[[^\]]*\][^}\[]*)*$", "a table in braces { } begins and ends on one line"),
     (r"=\s*[-+]?\d{1,3}([.' ]\d{3})+(,\d+)?\s*(#.*)?$", "write numbers with a decimal point and no other mark, as in 2200.5"),
+    (
+        r"=\s*([-+]?[1-9]\d{0,2}),(\d{3})\s*(#.*)?$",
+        r"write numbers with a decimal point and no other mark: \1\2, or \1.\2 if the comma is a decimal mark",
+    ),
     (r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", r"write numbers with a decimal point, \1.\2"),
     (_NUMBER + "(degrees?|deg|°)", r"write the number alone, \1; the friction is the tangent of the angle"),
     (_NUMBER + "%", "write the number alone, as a share of one: 0.6 for 60 %"),

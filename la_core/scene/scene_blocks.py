@@ -26,7 +26,8 @@ from la_core.text_table import place_text
 
 LEAST_TOLERANCE = 1e-4  # m: greatest tolerance where open joints are closed and the scene states none
 WHERE_A_SUPPORT_IS = (
-    'give a [[block]] role = "support", a wall a `footing` or a building a `foundation` with a `settling` part, or an arch `springers`'
+    'give a [[block]] role = "support", a wall a `footing` or a building a `foundation` with a `settling` part, an arch '
+    "`springers`, or a [[drawing]] or [[mesh]] a `support` list that names its settling blocks"
 )
 Placed = tuple[KeyPath, NamedShape]  # place of a table in the file, and one of its blocks
 

@@ -103,6 +103,8 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
     [
         ("= 0.6", "= 0,6", "write numbers with a decimal point, 0.6"),
         ("= 0.6", "= 0,6  # the “mu”", "write numbers with a decimal point, 0.6"),
+        ("= 2200.0", "= 2,200", "write numbers with a decimal point and no other mark: 2200, or 2.200 if the comma is a decimal mark"),
+        ("= 0.6", "= 0,600", "write numbers with a decimal point, 0.600"),
         ("= 2200.0", "= 2.200,5", "write numbers with a decimal point and no other mark, as in 2200.5"),
         ("= 2200.0", "= 2'200", "write numbers with a decimal point and no other mark, as in 2200.5"),
         ("= 0.6", "= 60 %", "write the number alone, as a share of one: 0.6 for 60 %"),

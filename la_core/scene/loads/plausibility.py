@@ -9,6 +9,7 @@ from la_core.scene.loads.dead_loads import GROUND, Ties, lines_beside_blocks
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.support_motion import bent_over_supports
 from la_core.scene.schema.scene_file import SceneFile
+from la_core.text_table import number_text
 
 FRICTION = 1.2  # no dry joint of stone is known to have more; 1.2 is 50 degrees
 SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a smaller load changes nothing, a larger load is many floors on one wall
@@ -60,9 +61,9 @@ def implausible_loads(
 
 def _of_size(what: str, size: float, weight: float) -> Iterator[str]:
     if size < SMALL * weight:
-        yield f"{what} is {size:.3g} N, less than {SMALL:g} of the weight of the blocks; forces are in N, not in kN."
+        yield f"{what} is {number_text(size, 3)} N, less than {SMALL:g} of the weight of the blocks; forces are in N, not in kN."
     if size > LARGE * weight:
-        yield f"{what} is {size:.3g} N, more than {LARGE:g} times the weight of the blocks; forces are in N, masses in kg."
+        yield f"{what} is {number_text(size, 3)} N, more than {LARGE:g} times the weight of the blocks; forces are in N, masses in kg."
 
 
 def _beside(what: str, point: np.ndarray, block: np.ndarray, blocks: Blocks) -> Iterator[str]:
