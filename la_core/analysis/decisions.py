@@ -162,7 +162,7 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
     wide = f"{number_text(width * size, 2)} {scene.unit}".rstrip() if is_small else f"{width:.2g} of the value"
     wide = "a point" if width <= LEAST_CHANGE else wide
     if width <= ONE_VALUE:
-        return f"turning blocks can change it only where another mechanism takes over, because the interval of this one is {wide}"
+        return f"turning blocks may change it by another mechanism alone, because the interval of this one is {wide}"
     if math.isnan(coulomb.released):
         interval = {"not stated": "unknown", "unlimited": "unlimited"}.get(interval_status(coulomb.interval), wide)
         return f"turning blocks may release a thrust, because the mechanism's interval is {interval}"
