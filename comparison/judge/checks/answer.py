@@ -107,7 +107,7 @@ def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
         reason = f"Limit analysis ended as {associated.status}, so it has no answer."
         yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=next_steps.without_value(analysis))
     elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
-        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
+        reason = ended_words(coulomb, analysis.scene.unit)
         yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_step_without_value(analysis, coulomb))
 
 
@@ -122,6 +122,11 @@ def _step_without_value(analysis: LimitAnalysis, solution: Solution | CoulombSol
     if not isinstance(solution, CoulombSolution) or solution.status is Status.UNBOUNDED:
         return next_steps.without_value(analysis)
     return next_steps.for_a_thrust(analysis.scene) if _fell(solution) else next_steps.FINER_PATHS
+
+
+def ended_words(coulomb: CoulombSolution, unit: str) -> str:
+    """Return a sentence on how a prediction ended that is not solved, and on its fault. unit: of its value, N, N m or none."""
+    return f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, unit)}."
 
 
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from comparison.judge.checks import next_steps
+from comparison.judge.checks.answer import ended_words
 from comparison.judge.checks.curves import earlier_agreement
 from comparison.judge.checks.friction_state import check_friction_state, check_steadiness
 from comparison.judge.checks.mechanisms import SIMILAR, check_mechanism
@@ -68,8 +69,7 @@ def _with_inaccuracy(results: Results, prediction: Prediction, check: Check) -> 
     is_confirmed = check.verdict is Verdict.AGREE and check.limit_analysis == prediction.value
     if coulomb is None or coulomb.status is not Status.INACCURATE or not is_confirmed:
         return check
-    residual = f"the largest residual of its limit state is {coulomb.certificate:.1e}"
-    words = f"Coulomb limit analysis ended as inaccurate: {residual}. YADE confirms its value all the same."
+    words = f"{ended_words(coulomb, results.scene.unit)} YADE confirms this value all the same."
     unknown = any(math.isnan(end) for end in prediction.interval)
     words += f" The mechanism's interval is unknown, so YADE's {results.scene.quantity} is not compared with it." if unknown else ""
     return replace(check, reason=f"{check.reason} {words}".lstrip())
