@@ -1,14 +1,16 @@
-"""Area loads on random blocks of several convex parts agree with a count by columns of cells."""
+"""Area loads on random blocks of several convex parts agree with a count by columns of cells, and with the top of random profiles."""
 
 import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from scipy.ndimage import label
 
-from la_core.geometry import Blocks, box, compound
-from la_core.scene.loads.top_faces import COVERED, carried
+import la_core
+from la_core.geometry import Blocks, box, compound, prism
+from la_core.scene.loads.top_faces import COVERED, UPWARD, carried
 
 Cell = tuple[int, ...]
 
@@ -75,3 +77,61 @@ def test_the_open_faces_of_a_compound_block_carry_the_load(turn: float) -> None:
     expected = [by_columns(owner == block, solid & (owner != block), area) * loaded for block, loaded in zip(kept, chosen, strict=True)]
     assert np.bincount(found.block, found.share, len(kept)) == pytest.approx(np.array(expected), rel=1e-6)
     assert blocks.is_compound.sum() > 20
+
+
+def random_profiles(seed: int, count: int) -> list[np.ndarray]:
+    """Star-shaped polygons (n, 2), most of them notched, with flanks of every slope."""
+    random, profiles = np.random.default_rng(seed), []
+    while len(profiles) < count:
+        corners = int(random.integers(5, 10))
+        angle, radius = np.sort(random.uniform(0.0, 2.0 * np.pi, corners)), random.uniform(0.3, 1.0, corners)
+        profile = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]).round(3)
+        polygon = shapely.Polygon(profile)
+        if polygon.is_valid and polygon.area > 0.1 and polygon.area < 0.99 * polygon.convex_hull.area:
+            profiles.append(profile)
+    return profiles
+
+
+def by_strips(profile: np.ndarray, strips: int = 20_000) -> tuple[float, np.ndarray]:
+    """Loaded length of the top of a profile (n, 2), and its middle (2,): the highest edge in each of many strips, unless it is steep."""
+    edges = np.linspace(profile[:, 0].min(), profile[:, 0].max(), strips + 1)
+    x, z, rise = 0.5 * (edges[1:] + edges[:-1]), np.full(strips, -np.inf), np.zeros(strips)
+    for start, end in zip(profile, np.roll(profile, -1, axis=0), strict=True):
+        along = end - start
+        over = (x > min(start[0], end[0])) & (x < max(start[0], end[0]))
+        height = start[1] + (x - start[0]) * along[1] / along[0] if along[0] else z
+        higher = over & (height > z)
+        z[higher], rise[higher] = height[higher], abs(along[0]) / np.linalg.norm(along)
+    kept = rise > UPWARD
+    return float(kept.sum() * (edges[1] - edges[0])), np.array([x[kept].mean(), z[kept].mean()])
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_notched_block_carries_its_load_on_its_outline(mirrored: bool) -> None:
+    """Cuts between the convex parts of a block reach its top, or lie under a steep flank. Some carried the load in place of the top."""
+    for profile in random_profiles(20261130, 60):
+        shape = prism(profile * [-1.0, 1.0] if mirrored else profile, (0.0, 2.0))
+        found = carried(Blocks.gather(["block"], ["free"], [2000.0], [shape]), np.array([True]), None)
+        length, middle = by_strips(profile * [-1.0, 1.0] if mirrored else profile)
+        assert found.share.sum() == pytest.approx(2.0 * length, abs=1e-3)
+        assert found.share @ found.point / found.share.sum() == pytest.approx(np.array([middle[0], 1.0, middle[1]]), abs=1e-3)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_floor_on_a_notched_block_is_pushed_at_the_height_of_its_top(side: float) -> None:
+    """The block tips about its edge at y = 0.5. Both are pushed at their centres: m g (0.25) + M g (0.25) = a (m z + M 0.7) g."""
+    profile = [[0.0, 0.0], [0.1, 0.0], [0.9, 0.4], [1.5, 0.0], [1.6, 0.0], [1.6, 0.7], [0.0, 0.7]]
+    mirrored = [[side * x, z] for x, z in profile]
+    ground = {"name": "ground", "role": "fixed", "box": {"from": [-2.0, 0.0, -0.2], "to": [2.0, 0.5, 0.0]}}
+    scene = la_core.build(
+        {
+            "stone": {"density": 2000.0}, "joint": {"friction": 0.9, "inset": 0.0},
+            "block": [ground, {"name": "block", "prism": {"profile": mirrored[:: int(side)], "y": [0.0, 0.5]}}],
+            "load": [{"blocks": ["block"], "per": "m2", "mass": 5000.0}], "live": {"direction": [0.0, 1.0, 0.0]},
+        }
+    )  # fmt: skip
+    whole, notch = 1.6 * 0.7, 0.5 * 1.4 * 0.4
+    mass, centre = 2000.0 * 0.5 * (whole - notch), (whole * 0.35 - notch * 0.4 / 3.0) / (whole - notch)
+    floor = 5000.0 * 1.6 * 0.5
+    answer = la_core.solve(scene, bounds_only=True)
+    assert answer.multiplier == pytest.approx((mass + floor) * 0.25 / (mass * centre + floor * 0.7), rel=1e-6)

@@ -68,9 +68,8 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
         whole = float(share.sum()) - twice
         start, end = np.array(line)
         middle = start + 0.5 * (low + high)[:, None] * (end - start) / np.linalg.norm(end - start)
-    normal, offset = blocks.face_normal[face], blocks.face_offset[face]
-    height = (offset - np.sum(normal[:, :2] * middle, axis=1)) / normal[:, 2]
-    return Carried(blocks.face_block[face], np.column_stack([middle, height]), share, twice > COUNTED_TWICE * whole)
+    point = np.column_stack([middle, _height(blocks, face, middle)])
+    return Carried(blocks.face_block[face], point, share, twice > COUNTED_TWICE * whole)
 
 
 def _stretches(plan: np.ndarray, block: np.ndarray, line: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -112,13 +111,15 @@ def _seen_faces(blocks: Blocks, chosen: np.ndarray) -> tuple[np.ndarray, np.ndar
     """The upward faces (N,) of the chosen blocks (B,) that are visible from above, and the visible part of each.
 
     Returns the faces, their visible parts as polygons (N,), the origin (2,) of the polygons, m, and the length of round-off, m. A compound
-    block has upward faces within it, on the cuts between its convex parts. Its steep faces are left out, because they may lie on a cut.
+    block has upward faces within it, on the cuts between its convex parts. A cut lies under the top of a part, which may be a steep face.
+    So every upward face of a compound block hides what lies under it. Its steep faces then carry nothing.
     """
     rise = np.where(chosen[blocks.face_block], blocks.face_normal[:, 2], 0.0)
-    face = np.flatnonzero((rise > UPWARD) | ((rise > STEEPEST) & ~blocks.is_compound[blocks.face_block]))
+    face = np.flatnonzero(rise > np.where(blocks.is_compound[blocks.face_block], ROUND_OFF, STEEPEST))
     plan, origin, grid = _in_plan(blocks, face)
-    seen = _uncovered(blocks, face, plan, grid)
+    seen = _uncovered(blocks, face, plan, origin, grid)
     is_seen = shapely.area(seen) > SHORTEST * grid * shapely.length(seen)
+    is_seen &= (rise[face] > UPWARD) | ~blocks.is_compound[blocks.face_block[face]]
     return face[is_seen], seen[is_seen], origin, grid
 
 
@@ -215,14 +216,28 @@ def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     return polygons_of(corners - origin, np.diff(blocks.face_start)[face]), origin, grid
 
 
-def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, grid: float) -> np.ndarray:
-    """The polygons (N,) without their parts under a higher face of the same block; only compound blocks have such parts."""
+def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, origin: np.ndarray, grid: float) -> np.ndarray:
+    """The polygons (N,) of faces (N,) without their parts under a higher face of the same block; only compound blocks have such parts.
+
+    Two convex parts of a block do not overlap. Where both lie over one region in plan, the same part is the upper one everywhere in it, so
+    one point of the region tells which.
+    """
     uncovered, owner = plan.copy(), blocks.face_block[face]
     for block in np.flatnonzero(blocks.is_compound):
         own = np.flatnonzero(owner == block)
-        top = [blocks.vertices[blocks.face_vertex[blocks.face_start[k] : blocks.face_start[k + 1]], 2].max() for k in face[own]]
-        above = shapely.Polygon()
-        for k in own[np.argsort(top, kind="stable")[::-1]]:
-            uncovered[k] = shapely.difference(plan[k], above, grid_size=grid)
-            above = shapely.union(above, plan[k], grid_size=grid)
+        first, second = own[shapely.STRtree(plan[own]).query(plan[own])]
+        common = shapely.intersection(plan[first], plan[second], grid_size=grid)
+        kept = (first != second) & (shapely.area(common) > SHORTEST * grid * shapely.length(common))
+        first, second, common = first[kept], second[kept], common[kept]
+        middle = origin + shapely.get_coordinates(shapely.centroid(common)).reshape(-1, 2)
+        is_under = _height(blocks, face[first], middle) < _height(blocks, face[second], middle)
+        for under in np.unique(first[is_under]):
+            above = shapely.union_all(plan[second[is_under & (first == under)]], grid_size=grid)
+            uncovered[under] = shapely.difference(plan[under], above, grid_size=grid)
     return uncovered
+
+
+def _height(blocks: Blocks, face: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Height (N,) of the planes of upward faces (N,) at points (N, 2) in plan, m."""
+    normal = blocks.face_normal[face]
+    return (blocks.face_offset[face] - np.sum(normal[:, :2] * point, axis=1)) / normal[:, 2]
