@@ -245,6 +245,18 @@ def test_elastic_creep_below_the_threshold_is_rest() -> None:
     assert set(seen[below].tolist()) == {ContactState.SLIDING}
 
 
+def test_slow_slip_dissipates_where_friction_is_used_up() -> None:
+    """A block slides over its base while both sink 50 times as fast. With less friction than the joint can carry, the block creeps."""
+    assembly, twists, forces = dragged(0.3)
+    sinking = 0.02 * twists
+    sinking[:, 2] = -1.0
+    slides = measure(assembly, sinking, forces)
+    assert slides.sliding == len(assembly.points)
+    assert slides.dissipated_power == pytest.approx(0.02 * 0.3 * assembly.weight)
+    creeps = measure(assembly, sinking, forces * np.array([0.9, 1.0, 1.0]))
+    assert (creeps.sticking, creeps.dissipated_power) == (len(assembly.points), 0.0)
+
+
 @pytest.mark.parametrize("undefined", ["twists", "forces", "both"])
 def test_one_undefined_number_leaves_everything_undefined(undefined: str) -> None:
     assembly, solution = solved(scenes.shipped("two_pads"))
@@ -282,6 +294,8 @@ def test_weights_work_against_reaction_friction_and_dilation(name: str, drive: D
     dilation = float(np.sum(compression * parting))
     unit = max(assembly.weight, float(compression.sum())) * float(slip.max() + np.abs(parting).max())  # thrusts exceed weights in a dome
     assert work == pytest.approx(drive.value * solution.value + measures.dissipated_power - dilation, abs=1e-6 * unit)
+    stated = measure(assembly, solution.twists, solution.forces)  # without the slowest slip
+    assert stated.dissipated_power == pytest.approx(measures.dissipated_power, abs=5e-4 * assembly.weight)
     # Associated sliding does no net work: the dilation returns the work of friction.
     assert measures.dissipated_power == pytest.approx(dilation, abs=1e-6 * unit)
 
