@@ -118,13 +118,14 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
 def _support(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Yield the motion of the support, its blocks with another motion, and its place, for a scene with a settlement."""
     velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
-    if np.any(spin):
+    turns = bool(np.any(spin))
+    if turns:
         nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
         yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_point(nearest)} m"
     else:
         yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
     for own in facts.get("motions") or ():
-        turn = f" in its middle, angular {_vector(own['spin'])} rad/m" if any(own["spin"]) else ""
+        turn = f" in its middle, angular {_vector(own['spin'])} {'rad/rad' if turns else 'rad/m'}" if any(own["spin"]) else ""
         yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
     support = facts.get("support") or {}
     if support:

@@ -15,7 +15,9 @@ BOUND = "associated"  # the answer that is a bound where no Coulomb prediction i
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
 UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
 ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
-STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
+STEEP = (
+    0.99999  # cosine of the angle to the vertical, 0.26 degrees: the force along a steeper motion is the weight that the support carries
+)
 HELD_BACK = 1e-6  # of W (or of W times 1 m): a smaller negative reaction is a rounding error
 LARGE_CHANGE = 0.05  # of a value: a larger change by the inset is told beside the conclusion; in most shipped scenes it is below 1 %
 IN_NEWTONS = Units(0.0)  # units of a light structure, as in all notes: N and mm
@@ -66,10 +68,7 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         by_motion = "settles" in moves or not moves
         carries_it = by_motion and not is_held_back
         of_force = "The support then still carries" if carries_it else "The force on the support along its motion is then"
-        if facts.get("motions"):
-            supports = "support" if sum(len(one["names"]) for one in facts["motions"]) == 1 else "supports"
-            of_force = f"The forces on the {supports}, each times the share of the settlement at its place, are then together"
-        carries = of_force if unit == "N" else "The moment on the support is then"
+        carries = _of_shares(facts, unit) or (of_force if unit == "N" else "The moment on the support is then")
         value = f"{units.text(predicted, unit, 4)}{share}"
         yield f"{carries} at least {value}: {LOWER}." if is_bound else f"{carries} {value}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
@@ -77,6 +76,19 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if is_held_back and not is_bound:
         effort = "a force of this size must move" if unit == "N" else "a moment of this size must turn"
         yield f"The minus says that the structure holds the support back: {effort} it."
+
+
+def _of_shares(facts: dict[str, Any], unit: str) -> str:
+    """Return the beginning of the sentence on a value of supports with shares of the motion; "" where all move alike."""
+    motions = facts.get("motions") or []
+    if not motions:
+        return ""
+    quantity, motion = ("forces", "settlement") if unit == "N" else ("moments", "rotation")
+    is_single = sum(len(one["names"]) for one in motions) == 1
+    if is_single and unit != "N":
+        return "The moment on the support, times its share of the rotation, is then"
+    supports = "support" if is_single else "supports"
+    return f"The {quantity} on the {supports}, each times the share of the {motion} at its place, are then together"
 
 
 def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
@@ -240,14 +252,14 @@ def _motion_words(facts: dict[str, Any]) -> str:
     """Return the motion of the support as a verb; "" where it is unknown."""
     if not facts.get("motion"):
         return ""
-    if len(motions := facts.get("motions") or []) == 1:
-        return (
-            "moves by shares of the settlement that differ along it" if np.any(motions[0]["spin"]) else "moves by a share of the settlement"
-        )
+    motions, turns = facts.get("motions") or [], np.any(facts["motion"][3:])
+    if len(motions) == 1 and np.any(motions[0]["spin"]) and not turns:
+        return "moves by shares of the settlement that differ along it"
     if motions:
-        return "moves by different shares of the settlement"
+        share = "a share" if len(motions) == 1 else "different shares"
+        return f"turns by {share} of the rotation" if turns else f"moves by {share} of the settlement"
     motion, gravity = np.array(facts["motion"]), np.array(facts.get("gravity") or (0.0, 0.0, -9.81))
-    if np.any(motion[3:]):
+    if turns:
         return f"turns about {_vector(motion[3:])}"
     down = float(motion[:3] @ gravity / np.linalg.norm(gravity))
     return "settles" if down > STEEP else "is lifted" if down < -STEEP else f"moves along {_vector(motion[:3])}"

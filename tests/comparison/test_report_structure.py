@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from made_up_comparisons import comparison_of, page_and_markdown
 
+import la_core
 from comparison.judge.checks.energy import LEAST_TURNOVER
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units, percent
@@ -344,6 +345,39 @@ def test_a_block_alone_is_no_share_of_all_blocks() -> None:
     results = Results(analyse(load_scene(find("two_pads"))))
     summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
     assert "settles, the only block moves." in plain_words(summary, Units(summary["weight"]))[0]
+
+
+PADS = {"fixed": ("fixed", 0.0, 0.3), "moves": ("support", 1.7, 2.0)}  # role, and the ends of a pad under a block of 2 m
+
+
+def on_pads(settlement: dict[str, Any]) -> dict[str, Any]:
+    """A summary of limit analysis for a block on two pads, of which one moves."""
+    pads = [{"name": name, "role": role, "box": {"from": [a, 0.0, -0.2], "to": [b, 1.0, 0.0]}} for name, (role, a, b) in PADS.items()]
+    block = {"name": "block", "box": {"from": [0.0, 0.0, 0.0], "to": [2.0, 1.0, 0.3]}}
+    scene = {"stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "block": [*pads, block], "settlement": settlement}
+    results = Results(analyse(la_core.build(scene)))
+    return limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
+
+
+@pytest.mark.parametrize(
+    ("settlement", "moves", "carries"),
+    [
+        ({"direction": [0.0, 0.0, -1.0]}, "settles, the only", "The support then still carries"),
+        ({"direction": [0.3, 0.0, -1.0]}, "moves along (0.287, 0, −0.958), the only", "The force on the support along its motion is then"),
+        (
+            {"axis": [0.0, 1.0, 0.0], "point": [0.0, 0.0, 0.0], "zone": [{"blocks": ["moves"], "ratio": 0.5}]},
+            "turns by a share of the rotation, the only",
+            "The moment on the support, times its share of the rotation, is then",
+        ),
+    ],
+)
+def test_the_support_carries_what_acts_along_a_vertical_motion_alone(settlement: dict[str, Any], moves: str, carries: str) -> None:
+    """Along an oblique motion the force was called a share of the weight; a moment was told without the share that multiplies it."""
+    summary = on_pads(settlement)
+    first, second, *_ = plain_words(summary, Units(summary["weight"]))
+    assert moves in first and second.startswith(carries)
+    turns = [text for name, text in input_rows(summary, Units(summary["weight"])) if name.startswith("of it")]
+    assert turns == ([] if "zone" not in settlement else [turns[0]]) and all("angular (0, 0.5, 0) rad/rad" in text for text in turns)
 
 
 def test_a_structure_that_falls_has_no_answer_for_small_displacements(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from la_core.errors import SceneError
 from la_core.model.assembly import assemble
 from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, ties_as_dicts
 from la_core.scene.scene import load_scene
-from la_core.scene.shipped import starter_text
+from la_core.scene.shipped import find, starter_text
 
 # --- mistakes ----------------------------------------------------------------------------------------------------------------
 
@@ -89,6 +89,14 @@ def test_show_lists_and_draws_loads_ties_and_classes_of_joints(tmp_path: Path, c
     assert {"dead load", "tie"} <= labels
     arrows = [text for text in figure.axes[0].texts if text.arrowprops and text.arrowprops.get("color") == LOAD_COLOUR]
     assert len(arrows) == len(scene.loads) == 8
+
+
+def test_a_tie_that_ends_at_a_support_is_not_told_to_end_in_the_ground() -> None:
+    tie = '[[tie]]\nblocks = ["block", "{}"]\nfrom = [0.8, 0.1, 0.4]\nto = [0.8, 0.1, 0.0]\nforce = 200.0\n[settlement]'
+    text = find("two_pads").read_text(encoding="utf-8")
+    for pad, told in (("settling pad", "support"), ("fixed pad", "ground")):
+        scene = scenes.load(text.replace("[settlement]", tie.format(pad)))
+        assert ties_as_dicts(scene.ties, scene.blocks.names)[0]["between"] == ["block", told]
 
 
 def test_the_inputs_of_a_report_list_loads_ties_and_classes_of_joints() -> None:

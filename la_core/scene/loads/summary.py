@@ -33,7 +33,8 @@ def ties_as_dicts(ties: Ties | None, blocks: Sequence[str]) -> list[dict[str, An
     if ties is None:
         return []
     lengths = np.linalg.norm(ties.ends[:, 1] - ties.ends[:, 0], axis=1)
-    ends = [["ground" if end == GROUND else blocks[end] for end in pair] for pair in ties.block.tolist()]
+    held = ["support" if is_support else "ground" for is_support in ties.at_support.tolist()]
+    ends = [[held[tie] if end == GROUND else blocks[end] for end in pair] for tie, pair in enumerate(ties.block.tolist())]
     return [
         {"name": name, "tension": float(ties.tension[k]), "length": float(lengths[k]), "between": ends[k], "ends": ties.ends[k].tolist()}
         for k, name in enumerate(ties.names)
