@@ -17,7 +17,7 @@ from scenes import SHIPPED
 
 import comparison
 from comparison.cli.commands import main
-from comparison.cli.exit_codes import TOOL, USAGE
+from comparison.cli.exit_codes import CANNOT_STAND, TOOL, USAGE
 from comparison.errors import message_of
 from comparison.figures import animation
 from comparison.figures.animation import SECONDS, Story
@@ -130,6 +130,22 @@ def test_results_without_yade_stay_so_beside_the_record_of_an_earlier_run(
     capsys.readouterr()
     assert main(["animate", str(folder), "--fps", str(FPS), "-q", "--no-yade"]) == 0
     assert "--no-yade: without effect" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.usefixtures("plain_figures")
+def test_a_scene_that_cannot_move_leaves_the_others_their_animation(
+    tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = two_pads.split("[expected]", maxsplit=1)[0]
+    falls = text.replace("from = [0.5, 0.0, -0.1], to = [1.0, 0.2, 0.0]", "from = [0.4, 0.0, -0.1], to = [0.45, 0.2, 0.0]")
+    Path("falls.toml").write_text(falls, encoding="utf-8")
+    Path("moves.toml").write_text(text, encoding="utf-8")
+    assert main(["run", "falls.toml", "moves.toml", "--no-yade", "-q", "-o", "out"]) == CANNOT_STAND
+    capsys.readouterr()
+    assert main(["animate", "out", "--fps", "1", "-q"]) == CANNOT_STAND
+    told = capsys.readouterr()
+    assert told.out.split() == [str(Path("out") / "moves" / ANIMATION)] and "falls" in told.err and "nothing moves" in told.err
 
 
 @pytest.mark.yade

@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.cli.conclude import code_of_comparison
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, TOOL, USAGE
+from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain_of
 from comparison.figures import Story, require_place, write_animation
 from comparison.progress import Narration
 from comparison.run_folder import ANIMATION, refuse_name
@@ -20,7 +20,8 @@ def execute(context: Context) -> int:
     """Animate stored results, or run a scene and animate it; print the path of the file. Exit code 3 if YADE was missing or failed, 2
     if it refused a setting of the scene.
 
-    Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
+    A scene that cannot move leaves the other scenes their animations; the exit code is that of its error. Raises SceneError if no block of
+    any scene moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
     options, code, made = context.options, AGREE, []
     if options.output is not None:  # an error in the file's name, its folder or ffmpeg is reported before the scene is run
@@ -36,9 +37,14 @@ def execute(context: Context) -> int:
             names = ", ".join(folder.name for folder in folders)
             raise SceneError("-o", "one file cannot hold several animations", hint=f"leave it out, or name one of the folders: {names}")
         for folder in folders:
-            made.append(_animated(folder, options.output or folder / ANIMATION, options.fps, narration))
+            try:
+                made.append(_animated(folder, options.output or folder / ANIMATION, options.fps, narration))
+            except SceneError as error:  # the scene cannot move, but another one may
+                if folder == folders[-1] and not made:
+                    raise
+                code = max(code, complain_of(error), key=SEVERITY.index)
     if options.json:
-        context.print_json(made[0] if len(made) == 1 else {"animations": made})
+        context.print_json(made[0] if len(folders) == 1 else {"animations": made})
     else:
         context.out.print("\n".join(str(one["file"]) for one in made), markup=False)
     return code
