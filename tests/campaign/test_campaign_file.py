@@ -216,3 +216,9 @@ def test_what_cannot_be_read_as_a_campaign_ends_with_a_next_step(tmp_path: Path)
     for path, words in ((tmp_path / "none.toml", "seed_paper"), (tmp_path, "name the campaign file itself"), (latin, "the encoding UTF-8")):
         with pytest.raises(SceneError, match=words):
             load_campaign(path)
+
+
+def test_a_label_without_a_letter_for_folders_is_replaced_by_its_key(tmp_path: Path) -> None:
+    """Cases with two Greek labels were told apart by their values alone, as `two_pads_=0.3`."""
+    text = 'labels = { "joint.friction" = "μ" }\n' + sweep('vary = { "joint.friction" = [0.3, 0.6] }')
+    assert names(text, tmp_path) == ["two_pads_joint.friction=0.3", "two_pads_joint.friction=0.6"]
