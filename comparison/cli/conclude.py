@@ -14,7 +14,7 @@ from comparison.numbers import plural
 from comparison.provenance import describe
 from comparison.report import angle_words, chosen_head, notes_of, stored_report, write_pdf, write_report
 from comparison.run_folder import HEAD, name_in_results
-from comparison.verdict import UNCONFIRMED, Verdict
+from comparison.verdict import UNCONFIRMED, VERDICTS, Verdict
 
 
 def conclude(
@@ -108,7 +108,7 @@ def lines_below(comparison: dict[str, Any], is_tried_again: bool = False) -> Ite
     is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):
-        yield f"second attempt with finer settings; the first one, {first['scene']}, was {first['verdict']}."
+        yield f"second attempt with finer settings; the verdict of the first one, {first['scene']}, was: {VERDICTS[first['verdict']][1]}."
     if comparison.get("next_step") and not is_tried_again and comparison["verdict"] not in UNCONFIRMED:
         yield f"next: {comparison['next_step']}"
 

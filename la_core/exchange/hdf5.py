@@ -92,13 +92,13 @@ def inputs_digest(path: Path) -> str:
         return ""
 
 
-def made_by(path: Path) -> dict[str, str]:
+def made_by(path: Path | str) -> dict[str, str]:
     """Versions and machine that made the file `path`, and the time, under MADE_AT; empty where the file does not state them.
 
     The time is local, with its zone, in ISO 8601. The times of the file system are not used, because a copy has other times.
     """
     try:
-        with _opened(path) as file:
+        with _opened(Path(path)) as file:
             stored = json.loads(bytes(file.attrs["made_by"]).decode()) if "made_by" in file.attrs else {}
             made = {str(name): str(value) for name, value in stored.items()}
             has_zone = MADE_AT not in made or datetime.datetime.fromisoformat(made[MADE_AT]).tzinfo is not None
@@ -161,7 +161,7 @@ def values_of(path: Path) -> Iterator[None]:
 def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
     dataset = _own_dataset(file, field.path)
     if dataset is None:
-        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run the scene again")
+        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing{_why_missing(file, field.path)} run the scene again")
     if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
         raise ExchangeError(f"{path}: {field.path} is not stored as plain data in one piece; run the scene again")
     text_type = h5py.check_string_dtype(dataset.dtype)
@@ -176,6 +176,17 @@ def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
         text = dataset.asstr()[()]
         return text if field.shape == () else [str(item) for item in text]
     return dataset[()]
+
+
+def _why_missing(file: Any, path: str) -> str:
+    """Return the middle of the message on a missing field; it names the groups of the file where the file lacks the group of the field."""
+    group, place = path.rpartition("/")[0], file
+    for step in group.split("/"):
+        if not isinstance(place.get(step, getlink=True), h5py.HardLink) or not isinstance(place[step], h5py.Group):
+            has = ", ".join(name for name in place if isinstance(place.get(name, getlink=True), h5py.HardLink))
+            return f", because the file has no group {group}, and {place.name} holds {has or 'nothing'}; read another group, or"
+        place = place[step]
+    return ";"
 
 
 def _own_dataset(file: Any, path: str) -> Any:

@@ -100,8 +100,8 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     -----
     The changes are appended to the title, unless `changes` has a title. `source` and [expected] belong to the original scene. They are
     deleted, unless `changes` gives new ones, or affects only the title, project, author, date, `accuracy`, `effort` and settings in [yade]
-    that do not change limit analysis. A change of one expected value keeps the others, except those by the associated flow rule: each of
-    these is deleted unless `changes` names it, too.
+    that do not change limit analysis. A change of [expected] alone keeps the source and the other expected values. Otherwise a new expected
+    value keeps the others, except those by the associated flow rule: each of these is deleted unless `changes` names it, too.
 
     Examples
     --------

@@ -118,6 +118,12 @@ def test_missing_field(whole) -> None:
     assert "b/vectors (vectors) is missing" in refusal(whole)
 
 
+def test_missing_group(whole) -> None:
+    """To run the scene again does not help where a group belongs to other scenes. The message names the groups of the file."""
+    field = Field("b/other/deep", "f8", (), "", "of another scene")
+    assert "is missing, because the file has no group b/other, and /b holds " in refusal(whole, (field,))
+
+
 def test_group_in_place_of_a_field(whole) -> None:
     def change(file: h5py.File) -> None:
         del file["b/vectors"]

@@ -52,7 +52,7 @@ def execute(context: Context) -> int:
     """
     options, narrator = context.options, context.narrator
     if options.bounds and options.accuracy is not None:
-        rule = "not allowed with argument --bounds: bounds are solved once, at the scene's own inset"
+        rule = "not allowed with argument --bounds: no setting of the bounds depends on an accuracy"
         raise SceneError("argument --accuracy", rule, hint="leave out --accuracy, or leave out --bounds for an answer of this accuracy")
     scene = load_scene(shipped.find(options.scene))
     if options.accuracy is not None:

@@ -28,6 +28,6 @@ def execute(context: Context) -> int:
             context.table(sensitivity.sensitivity_table(result, references), CAN_GO)
     if not options.json:
         if len({f"{trial.value:.4g}" for trial in result.trials}) == 1:
-            context.tell("Every run gives the same value: no joint slides while the support moves. `wall_third` shows a difference.")
+            context.tell("Every run gives the same value: the settings have no effect on this scene. `wall_third` shows a difference.")
         context.narrator.print(f"drawn in {figure}", markup=False)
     return AGREE
