@@ -286,7 +286,8 @@ def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     motion, unit = ("rotation", "mrad") if assembly.is_rotation else ("motion", "mm")
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
-        return f"displacements enlarged about {times} times: the support moved {plain_number(1e3 * travel, 3)} {unit}"
+        given = "rotation" if assembly.is_rotation else "settlement"
+        return f"displacements enlarged about {times} times, at a {given} of {plain_number(1e3 * travel, 3)} {unit}"
     return f"{free}a support {motion} of {plain_number(1e3 * factor, 3)} {unit}"
 
 

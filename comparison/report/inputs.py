@@ -109,7 +109,7 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         yield "mean displacement along the load in YADE" if facts.get("live") else imposed, units.text(yade["settlement"], unit, 4)
     if joints:
         yield from _stiffness(joints, comparison.get("settings") or {}, units)
-        moved = "displacement of the fastest block" if facts.get("live") else "motion of the support"
+        moved = "displacement of the fastest block" if facts.get("live") else "rotation" if unit == "rad" else "settlement"
         yield f"largest {moved} (travel)", units.text(joints.get("travel"), unit, 4)
     if exists(facts.get("accuracy")):
         yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
