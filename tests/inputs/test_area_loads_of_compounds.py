@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -115,6 +116,37 @@ def test_a_notched_block_carries_its_load_on_its_outline(mirrored: bool) -> None
         length, middle = by_strips(profile * [-1.0, 1.0] if mirrored else profile)
         assert found.share.sum() == pytest.approx(2.0 * length, abs=1e-3)
         assert found.share @ found.point / found.share.sum() == pytest.approx(np.array([middle[0], 1.0, middle[1]]), abs=1e-3)
+
+
+def test_a_notched_body_in_general_position_carries_its_load(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """GEOS left lines of the length of round-off beside a visible part, and the next operation refused them."""
+    profile = [
+        (0.504, 0.108), (0.185, 0.193), (0.116, 0.246), (0.011, 0.858), (-0.196, 0.198), (-0.607, -0.099), (-0.763, -0.209),
+        (0.304, -0.349), (0.29, -0.297), (0.251, -0.239), (0.696, -0.082),
+    ]  # fmt: skip
+    turn = np.array(
+        [
+            [-0.48336783962907504, 0.5050310566639977, -0.7150518606486997],
+            [-0.8085026897092966, 0.05566356715341167, 0.5858540501051358],
+            [0.33567682723887016, 0.8613043591533739, 0.3814129894985777],
+        ]
+    )
+    count = len(profile)
+    corners = np.array([(x, y, z) for y in (0.0, 1.0) for x, z in profile]) @ turn.T + [0.0, 0.0, 0.33583673398846065]
+    sides = [(k, (k + 1) % count) for k in range(count)]
+    faces = [range(count), range(2 * count - 1, count - 1, -1), *((b, a, count + a, count + b) for a, b in sides)]
+    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in corners] + ["f " + " ".join(str(k + 1) for k in face) for face in faces]
+    (tmp_path / "body.obj").write_text("\n".join(["o body", *lines]) + "\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    scene = la_core.build(
+        {
+            "stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "mesh": [{"file": "body.obj"}],
+            "block": [{"name": "ground", "role": "support", "box": {"from": [-3.0, -3.0, -5.0], "to": [3.0, 3.0, 0.0]}}],
+            "load": [{"blocks": ["body"], "per": "m2", "force": [0.0, 0.0, -1.0]}], "settlement": {"direction": [0.0, 0.0, -1.0]},
+        }
+    )  # fmt: skip
+    shadow = shapely.MultiPoint(corners[:, :2]).convex_hull.area
+    assert 0.3 * shadow < -scene.loads.force[:, 2].sum() < shadow
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -213,7 +213,10 @@ def _in_plan(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     low, high = corners.min(axis=0), corners.max(axis=0)
     origin = 0.5 * (low + high)
     grid = max(ROUND_OFF * float((high - low).max()), LAST_DIGITS * float(np.abs(corners).max()))
-    return polygons_of(corners - origin, np.diff(blocks.face_start)[face]), origin, grid
+    plan = polygons_of(corners - origin, np.diff(blocks.face_start)[face])
+    for row in np.flatnonzero(~shapely.is_valid(plan)):  # a steep face of rounded corners may cross itself
+        plan[row] = _areas(shapely.make_valid(plan[row]))
+    return plan, origin, grid
 
 
 def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, origin: np.ndarray, grid: float) -> np.ndarray:
@@ -233,8 +236,14 @@ def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray, origin: np.nd
         is_under = _height(blocks, face[first], middle) < _height(blocks, face[second], middle)
         for under in np.unique(first[is_under]):
             above = shapely.union_all(plan[second[is_under & (first == under)]], grid_size=grid)
-            uncovered[under] = shapely.difference(plan[under], above, grid_size=grid)
+            uncovered[under] = _areas(shapely.difference(plan[under], above, grid_size=grid))
     return uncovered
+
+
+def _areas(shape: shapely.Geometry) -> shapely.Geometry:
+    """The polygons of a shape, without the lines and points that an operation on a grid leaves beside them."""
+    pieces = shapely.get_parts(shapely.get_parts(shape))  # also those of a multipolygon in a collection
+    return shapely.multipolygons(pieces[shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON])
 
 
 def _height(blocks: Blocks, face: np.ndarray, point: np.ndarray) -> np.ndarray:
