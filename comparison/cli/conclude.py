@@ -108,7 +108,8 @@ def lines_below(comparison: dict[str, Any], is_tried_again: bool = False) -> Ite
     is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):
-        yield f"second attempt with finer settings; the verdict of the first one, {first['scene']}, was: {VERDICTS[first['verdict']][1]}."
+        words = VERDICTS.get(first["verdict"], VERDICTS[None])[1]
+        yield f"second attempt with finer settings; the verdict of the first one, {first['scene']}, was: {words}."
     if comparison.get("next_step") and not is_tried_again and comparison["verdict"] not in UNCONFIRMED:
         yield f"next: {comparison['next_step']}"
 

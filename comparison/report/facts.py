@@ -10,7 +10,7 @@ from comparison.figures import Motion, motions, shown_answer
 from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
-from la_core.measures import ContactState, ground_reactions, joint_rows, mechanism, thrust_line
+from la_core.measures import ContactState, contact_states, ground_reactions, joint_rows, joint_states, mechanism, thrust_line
 from la_core.model import Assembly
 from la_core.scene import Scene, classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 
@@ -98,13 +98,25 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
     if method := known.get("limit_analysis"):
         facts["moving_joints"] = _moving_joints(assembly, method)
     if len(known) == 2:
-        gives = [np.isin(method.joints, (ContactState.OPENING, ContactState.SLIDING)) for method in known.values()]
+        gives = [_gives(method.joints) for method in known.values()]
+        clearly = [_gives(_without_slow_slip(assembly, method)) for method in known.values()]
         interfaces, names = assembly.interfaces, assembly.blocks.names
-        for name, own, other in zip(known, gives, reversed(gives), strict=True):
+        for name, own, other in zip(known, clearly, reversed(gives), strict=True):
             alone = np.flatnonzero(own & ~other)
             pairs = [f"{names[interfaces.block_a[k]]} and {names[interfaces.block_b[k]]}" for k in alone[:MOST_NAMES]]
             facts["joints_of_one_method"][name] = {"count": len(alone), "names": pairs}
     return facts
+
+
+def _gives(states: np.ndarray) -> np.ndarray:
+    """Return a mask of the joints that open or slide."""
+    return np.isin(states, (ContactState.OPENING, ContactState.SLIDING))
+
+
+def _without_slow_slip(assembly: Assembly, method: Motion) -> np.ndarray:
+    """Return the states of the joints where slow slip counts as rest, so that a joint near the least speed does not tell methods apart."""
+    forces = method.forces[-1]
+    return joint_states(assembly, contact_states(assembly, method.twists, forces, slow_slip=False), forces)
 
 
 def _moving_joints(assembly: Assembly, method: Motion) -> dict[str, Any]:

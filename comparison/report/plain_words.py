@@ -15,9 +15,7 @@ BOUND = "associated"  # the answer that is a bound where no Coulomb prediction i
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
 UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
 ALL_PUSHED = "its weight"  # W, where a live load pushes all of it
-STEEP = (
-    0.99999  # cosine of the angle to the vertical, 0.26 degrees: the force along a steeper motion is the weight that the support carries
-)
+STEEP = 0.99999  # cosine of the angle to the vertical, 0.26 degrees: farther from it a motion is neither up nor down
 HELD_BACK = 1e-6  # of W (or of W times 1 m): a smaller negative reaction is a rounding error
 LARGE_CHANGE = 0.05  # of a value: a larger change by the inset is told beside the conclusion; in most shipped scenes it is below 1 %
 IN_NEWTONS = Units(0.0)  # units of a light structure, as in all notes: N and mm

@@ -153,7 +153,8 @@ def _sentence(comparison: dict[str, Any]) -> str:
 def _first_verdict(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield the sentence about an earlier attempt with coarser settings; nothing where there was none."""
     if first := comparison.get("first_verdict"):
-        before = f'The first one, "{first["scene"]}", was {first["verdict"]}: {first["reason"]}'
+        words = VERDICTS.get(first["verdict"], VERDICTS[None])[1]
+        before = f'The verdict of the first one, "{first["scene"]}", was: {words}. {first["reason"]}'
         yield f"Second attempt, with finer settings of both methods. {before}"
 
 

@@ -181,7 +181,7 @@ def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
 def _why_missing(file: Any, path: str) -> str:
     """Return the middle of the message on a missing field; it names the groups of the file where the file lacks the group of the field."""
     group, place = path.rpartition("/")[0], file
-    for step in group.split("/"):
+    for step in filter(None, group.split("/")):
         if not isinstance(place.get(step, getlink=True), h5py.HardLink) or not isinstance(place[step], h5py.Group):
             has = ", ".join(name for name in place if isinstance(place.get(name, getlink=True), h5py.HardLink))
             return f", because the file has no group {group}, and {place.name} holds {has or 'nothing'}; read another group, or"

@@ -20,8 +20,8 @@ def execute(context: Context) -> int:
     """Animate stored results, or run a scene and animate it; print the path of the file. Exit code 3 if YADE was missing or failed, 2
     if it refused a setting of the scene.
 
-    A scene that cannot move leaves the other scenes their animations; the exit code is that of its error. Raises SceneError if no block of
-    any scene moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
+    A scene that cannot move leaves the other scenes their animations; the exit code is that of the most severe error. Raises
+    exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
     options, code, made = context.options, AGREE, []
     if options.output is not None:  # an error in the file's name, its folder or ffmpeg is reported before the scene is run
@@ -40,9 +40,9 @@ def execute(context: Context) -> int:
             try:
                 made.append(_animated(folder, options.output or folder / ANIMATION, options.fps, narration))
             except SceneError as error:  # the scene cannot move, but another one may
-                if folder == folders[-1] and not made:
-                    raise
                 code = max(code, complain_of(error), key=SEVERITY.index)
+    if not made:
+        return code
     if options.json:
         context.print_json(made[0] if len(folders) == 1 else {"animations": made})
     else:
