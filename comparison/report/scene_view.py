@@ -153,9 +153,8 @@ def _sentence(comparison: dict[str, Any]) -> str:
 def _first_verdict(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield the sentence about an earlier attempt with coarser settings; nothing where there was none."""
     if first := comparison.get("first_verdict"):
-        words = VERDICTS.get(first["verdict"], VERDICTS[None])[1]
-        before = f'The verdict of the first one, "{first["scene"]}", was: {words}. {first["reason"]}'
-        yield f"Second attempt, with finer settings of both methods. {before}"
+        before = f'The verdict of the first one, "{first["scene"]}", was: {VERDICTS.get(first["verdict"], VERDICTS[None])[1]}.'
+        yield f"Second attempt, with finer settings of both methods. {before} {first['reason']}"
 
 
 def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
