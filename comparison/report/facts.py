@@ -98,8 +98,8 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
     if method := known.get("limit_analysis"):
         facts["moving_joints"] = _moving_joints(assembly, method)
     if len(known) == 2:
-        gives = [_gives(method.joints) for method in known.values()]
-        clearly = [_gives(_without_slow_slip(assembly, method)) for method in known.values()]
+        gives = [_opens_or_slides(method.joints) for method in known.values()]
+        clearly = [_opens_or_slides(_without_slow_slip(assembly, method)) for method in known.values()]
         interfaces, names = assembly.interfaces, assembly.blocks.names
         for name, own, other in zip(known, clearly, reversed(gives), strict=True):
             alone = np.flatnonzero(own & ~other)
@@ -108,7 +108,7 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
     return facts
 
 
-def _gives(states: np.ndarray) -> np.ndarray:
+def _opens_or_slides(states: np.ndarray) -> np.ndarray:
     """Return a mask of the joints that open or slide."""
     return np.isin(states, (ContactState.OPENING, ContactState.SLIDING))
 
