@@ -197,11 +197,17 @@ def _labels(definition: Definition) -> dict[str, str]:
 def _parts(sweep: Sweep, values: dict[str, Any], labels: dict[str, str]) -> dict[str, str]:
     """Return the parts of a case's name by key, such as "mu=0.5"; of keys that go together, only the first counts.
 
-    The key replaces a label without any letter for names of folders, such as a Greek one.
+    The key replaces a label with letters that names of folders leave out, such as Greek ones.
     """
     naming = [*sweep.vary, *(next(iter(group)) for group in sweep.together)]
     ranges = sweep.vary | {key: values for group in sweep.together for key, values in group.items()}
-    return {key: _safe(f"{_safe(labels[key]) or key}={_word(values[key], ranges[key])}") for key in naming}
+    return {key: _safe(f"{_of_folders(labels[key], key)}={_word(values[key], ranges[key])}") for key in naming}
+
+
+def _of_folders(label: str, key: str) -> str:
+    """Return the label for names of folders; the key where such a name would leave out a letter or everything."""
+    safe = _safe(label)
+    return safe if safe and sum(map(str.isalpha, safe)) == sum(map(str.isalpha, label[:LONGEST])) else key
 
 
 def _word(value: Any, values: tuple[Any, ...]) -> str:

@@ -179,6 +179,10 @@ def _require_sense(file: CampaignFile, varied: list[str]) -> None:
     if unknown := [key for key in file.labels if key not in varied]:
         hint = f"varied keys: {', '.join(varied)}" if varied else "no key is varied"
         raise SceneError("labels", f'no sweep varies "{unknown[0]}"', hint=hint)
+    key_of: dict[str, str] = {}
+    for key, label in file.labels.items():
+        if (other := key_of.setdefault(label, key)) != key:
+            raise SceneError("labels", f'"{other}" and "{key}" have the same label', value=label, hint="give each key its own")
 
 
 def shipped_campaigns() -> dict[str, Path]:

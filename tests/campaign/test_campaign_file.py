@@ -50,6 +50,11 @@ WRONG = {
         f"at most {MOST_CASES} cases",
     ),
     "label of nothing": ('labels = { mu = "mu" }\n' + sweep(""), 'no sweep varies "mu"'),
+    "one label for two keys": (
+        "labels = { stone.density = 'x', joint.friction = 'x' }\n"
+        + sweep('vary = { "joint.friction" = [0.5], "stone.density" = [2000.0, 2200.0] }'),
+        'labels = \'x\': "stone.density" and "joint.friction" have the same label; give each key its own',
+    ),
     "unknown key of the scene": (sweep('vary = { "joint.frction" = [0.5] }'), 'joint.frction: unknown key; did you mean "friction"?'),
     "wrong value for the scene": (sweep('vary = { "joint.friction" = [0.5, -1.0] }'), "joint.friction = -1.0: must"),
     "impossible structure": (sweep('set = { "block[2].box.to[0]" = -1.0 }'), "every coordinate of `to` must be greater"),
@@ -218,7 +223,13 @@ def test_what_cannot_be_read_as_a_campaign_ends_with_a_next_step(tmp_path: Path)
             load_campaign(path)
 
 
-def test_a_label_without_a_letter_for_folders_is_replaced_by_its_key(tmp_path: Path) -> None:
+@pytest.mark.parametrize("label", ["μ", "tan φ", "Höhe"])
+def test_a_label_with_letters_that_folders_leave_out_is_replaced_by_its_key(label: str, tmp_path: Path) -> None:
     """Cases with two Greek labels were told apart by their values alone, as `two_pads_=0.3`."""
-    text = 'labels = { "joint.friction" = "μ" }\n' + sweep('vary = { "joint.friction" = [0.3, 0.6] }')
+    text = f'labels = {{ "joint.friction" = "{label}" }}\n' + sweep('vary = { "joint.friction" = [0.3, 0.6] }')
     assert names(text, tmp_path) == ["two_pads_joint.friction=0.3", "two_pads_joint.friction=0.6"]
+
+
+def test_a_label_of_ascii_letters_names_the_cases_without_its_blanks(tmp_path: Path) -> None:
+    text = 'labels = { "joint.friction" = "tan phi (-)" }\n' + sweep('vary = { "joint.friction" = [0.3] }')
+    assert names(text, tmp_path) == ["two_pads_tanphi-=0.3"]
