@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
@@ -150,6 +150,12 @@ def percent(share: float | None, digits: int = 2) -> str:
 def plural(count: int, word: str) -> str:
     """Return a count with its word, in the plural unless the count is 1: "2 cases"."""
     return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+def first_names(names: Sequence[str], most: int) -> str:
+    """Return the first names, at most this many, and the number of the others."""
+    others = len(names) - most
+    return ", ".join(names[:most]) + (f" and {others} more" if others > 0 else "")
 
 
 def first_sentence(text: str) -> str:

@@ -183,6 +183,11 @@ def test_the_folder_of_a_whole_run_is_told_apart_from_that_of_one_scene(any_resu
         comparison.read(any_result.folder.parent)
 
 
+def test_a_mistyped_folder_of_results_is_told_with_those_beside_it(any_result: comparison.Result) -> None:
+    with pytest.raises(ExchangeError, match='holds no results of `crosscheck run`; did you mean "two_pads"'):
+        comparison.read(any_result.folder.with_name("two_pds"))
+
+
 def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> None:
     of_another = tmp_path / "letter.1.part"
     of_another.touch()

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import A_POINT, DASH, Units, format_number, several_plateaus, with_uncertainty
+from comparison.numbers import A_POINT, DASH, Units, first_names, format_number, several_plateaus, with_uncertainty
 from comparison.report.values import NOT_STATED, UNLIMITED, associated_of, rounding_change, rounding_words, values_of
 from comparison.verdict import Verdict
 from la_core.text_table import PLACES, coordinate_text, exists, without_round_off
@@ -46,8 +46,7 @@ def _sentences(comparison: dict[str, Any], units: Units) -> Iterator[str]:
 
 
 def _falls(names: list[str]) -> str:
-    listed = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
-    falling = f": {len(names)} block{' falls' if len(names) == 1 else 's fall'} ({listed})" if names else ""
+    falling = f": {len(names)} block{' falls' if len(names) == 1 else 's fall'} ({first_names(names, 8)})" if names else ""
     return f"The structure cannot stand{falling}."
 
 

@@ -21,11 +21,12 @@ from comparison.judge import (
     yade_summary,
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
+from comparison.numbers import first_names
 from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, read_text, write_text
 from comparison.verdict import VERDICTS, Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import COMPARISON_CODE, run_inputs, stage_digest, store_changed, yade_stage
-from comparison.yade import Results, accuracy_settings, read_results
+from comparison.yade import Results, accuracy_settings, read_results, results_beside
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.scene import Scene
@@ -118,7 +119,7 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
         if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
             raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run the scene again")
         inside = sorted(path.parent.name for path in folder.glob("*/case.h5"))
-        hint = f"name the folder of one of its scenes: {', '.join(inside[:NAMED])}" if inside else MAKES_RESULTS
+        hint = f"name the folder of one of its scenes: {first_names(inside, NAMED)}" if inside else results_beside(folder) or MAKES_RESULTS
         raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`; {hint}")
     with alone_in(folder) if is_writable(folder) else contextlib.nullcontext():
         results = read_results(folder)

@@ -5,7 +5,7 @@ from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of
 from comparison.yade.installation import HOW_TO_GET_YADE, ROOT, Installation, Yade, find_yade, locate_yade
 from comparison.yade.process import run_yade
 from comparison.yade.run_record import Run, read_run
-from comparison.yade.stored import Results, among_results, locate_results, read_results
+from comparison.yade.stored import Results, among_results, locate_results, read_results, results_beside
 
 __all__ = [
     "HISTORY_OF_SPEED",
@@ -23,5 +23,6 @@ __all__ = [
     "locate_yade",
     "read_results",
     "read_run",
+    "results_beside",
     "run_yade",
 ]

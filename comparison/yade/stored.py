@@ -13,7 +13,7 @@ from comparison.settings import load_settings
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file, has_given_stiffness
 from la_core.coulomb import STIFFER
-from la_core.errors import SceneError
+from la_core.errors import SceneError, nearest
 from la_core.exchange import ExchangeError
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load_scene, shipped
@@ -116,6 +116,12 @@ def among_results(name: str) -> str:
     return f'did you mean "{folder}"?' if _holds((folder / "case.h5").is_file) else ""
 
 
+def results_beside(folder: Path) -> str:
+    """Return a hint with the stored results beside this folder: the one with a similar name, else all; "" without any."""
+    beside = sorted(path.parent.name for path in folder.parent.glob("*/case.h5")) if _holds(folder.parent.is_dir) else []
+    return nearest(folder.name, beside, f"results in {folder.parent}") if beside else ""
+
+
 def _holds(question: Callable[[], bool]) -> bool:
     """Return the answer to a question about a path; it is False if the name is too long for the system."""
     try:
@@ -134,7 +140,8 @@ def locate_results(source: str) -> list[Path]:
     folder = Path(source)
     is_scene = source in shipped.names() or _holds(Path(f"{source}.toml").is_file)  # a scene beside a folder of its name
     if not source or not _holds(folder.is_dir):
-        if source and not is_scene and (hint := among_results(source)):
+        is_file = bool(source) and _holds(folder.exists)
+        if source and not is_scene and not is_file and (hint := among_results(source) or (results_beside(folder) if "/" in source else "")):
             raise SceneError(source, "neither a folder of results, a file nor a shipped scene", hint=hint)
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))

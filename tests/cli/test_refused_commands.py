@@ -212,3 +212,6 @@ def test_the_name_of_stored_results_alone_is_answered_with_their_folder(
         assert f'did you mean "{Path("results", "mine")}"?' in capsys.readouterr().err
     assert main(["export", "yours"]) == 2
     assert "did you mean" not in capsys.readouterr().err
+    for command in ("export", "animate"):  # instead of a list of the shipped scenes
+        assert main([command, str(Path("results", "mime"))]) == 2
+        assert 'neither a folder of results, a file nor a shipped scene; did you mean "mine"?' in capsys.readouterr().err

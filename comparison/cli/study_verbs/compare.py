@@ -17,6 +17,7 @@ from comparison.campaign import (
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, DISAGREE
 from comparison.cli.study_verbs.campaign_report import is_campaign
+from comparison.numbers import first_names
 from la_core.errors import SceneError
 
 MOST_NAMES = 8  # of cases that only one campaign has, on a terminal
@@ -44,8 +45,7 @@ def _show(comparison: Comparison, context: Context) -> None:
         context.tell(f"and {len(comparison.changes) - MOST_SHOWN} more changes")
     for when, names in (("before", comparison.only_before), ("after", comparison.only_after)):
         if names:
-            more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-            context.tell(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}")
+            context.tell(f"only {when}: {first_names(names, MOST_NAMES)}")
     context.tell(sentence(comparison))
 
 
