@@ -140,6 +140,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from la_core import exchange  # noqa: PLC0415  loadable only from here on
     from yade_scripts import case, settings  # noqa: PLC0415
 
+    if not options.run.parent.is_dir():  # known before the run, which may take hours
+        raise exchange.ExchangeError(f"{options.run}: its folder does not exist; make the folder, then run the case again")
     began = time.monotonic()
     problem = settings.affordable(case.from_fields(exchange.read(options.case, case_fields(options.case))))
     derived = settings.derive(problem)

@@ -26,7 +26,7 @@ class Answer(Tabled):
 
     Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp edges (inset 0). A value that
     does not exist is NaN. Where the scene's inset is 0, which YADE cannot have, `mechanism`, `forces`, `joints` and `path` hold at
-    `analysis.assembly.inset`, as `analysis.coulomb.value` does. Arrays are copies. A notebook shows the table of `solve --long`.
+    `analysis.assembly.inset`, as `analysis.coulomb.value` does. Arrays are copies. A notebook shows what `solve --long` computes.
 
     Attributes
     ----------
@@ -209,8 +209,8 @@ def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = Fal
     bounds_only : bool
         Whether to compute the bounds alone, which is fast: the prediction is then NaN.
     listener : AnalysisListener, optional
-        Object with the methods `bounds(analysis)`, called as soon as the bounds are known, and `path(report)`, called
-        while the prediction is computed: `report.share` is the share that is done, `report.value` the value so far.
+        Object with the methods `bounds(analysis)`, called as soon as the bounds are known, and `path(report)`, called while the
+        prediction is computed: `report.share` is the estimated share that is done, which may fall; `report.value` the value so far.
 
     Returns
     -------

@@ -19,7 +19,8 @@ HEAD = """# From Python: the stable names
 
 `la_core` solves a scene by limit analysis. `comparison` runs both methods on a scene and compares them. The names on this page
 stay; all other names may change. An invalid scene or argument raises `la_core.SceneError`, with a message that says where the
-error is, which rule it breaks and what to do next. A notebook shows scenes, answers and results as tables, and pictures as images.
+error is, which rule it breaks and what to do next; each name lists its other errors. A notebook shows scenes, answers and
+results as tables, and pictures as images.
 
 This page is written by `.venv/bin/python tests/benchmarks/api_page.py` from the docstrings.
 """

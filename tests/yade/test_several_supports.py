@@ -10,11 +10,12 @@ from conftest import Silent
 from independent_mechanics import static_form_of_rectangles
 from numpy.testing import assert_allclose
 
+from comparison.cli.scene_verbs.show import facts_table, scene_facts
 from comparison.numbers import Units
 from comparison.report.inputs import input_rows
 from comparison.report.plain_words import plain_words
 from comparison.workflow import run_scene
-from la_core.analysis import analyse
+from la_core.analysis import analyse, decided_model
 from la_core.errors import SceneError
 from la_core.limit import Drive
 from la_core.measures import residuals
@@ -32,7 +33,8 @@ def columns(**settlement: Any) -> Scene:
     for name, x, height in (("left", 0.0, 1.0), ("right", 2.0, 2.0)):
         parts.append(scenes.box(name, (x, 0.0, 0.0), (x + 0.6, 0.5, height)))
         parts.append(scenes.box(f"{name} pad", (x - 0.1, 0.0, -0.2), (x + 0.7, 0.5, 0.0), "support"))
-    return scenes.build(*parts, settlement={"direction": DOWN, **settlement}, inset=INSET, model="auto")
+    motion = settlement if "axis" in settlement else {"direction": DOWN, **settlement}
+    return scenes.build(*parts, settlement=motion, inset=INSET, model="auto")
 
 
 def beam(**settlement: Any) -> Scene:
@@ -140,6 +142,24 @@ def test_a_report_names_the_motion_of_each_support(tmp_path: Path) -> None:
         "moves by different shares of the settlement" in words
         and "The forces on the supports, each times the share of the settlement at its place" in words
     )
+
+
+@pytest.mark.parametrize(
+    ("settlement", "row"),
+    [
+        ({}, ("share of the settlement, right pad", "(0, 0, −0.5)", "")),
+        (
+            {"axis": [0.0, 1.0, 0.0], "point": [0.0] * 3},
+            ("motion in the middle per rad of the rotation, right pad", "(−0.05, 0, −1.15)", "m"),
+        ),
+    ],
+    ids=["translation", "rotation"],
+)
+def test_show_states_the_unit_of_the_motion_of_each_support(settlement: dict[str, Any], row: tuple[str, str, str]) -> None:
+    """The motion by a rotation was called a share of the settlement, without its unit."""
+    scene = columns(**settlement, zone=[{"blocks": ["right pad"], "ratio": 0.5}])
+    table = facts_table("columns", scene_facts(scene, decided_model(scene)))
+    assert row in [tuple(map(str, cells)) for cells in zip(*(column.cells for column in table.columns), strict=True)]
 
 
 @pytest.mark.parametrize(

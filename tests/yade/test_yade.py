@@ -100,6 +100,17 @@ def test_nothing_listens_while_yade_runs(yade: Yade, tmp_path: Path) -> None:
     assert sockets and not [target for target in sockets if target.startswith("socket:")]
 
 
+def test_a_run_without_a_folder_for_its_record_ends_before_yade_loads(tmp_path: Path) -> None:
+    """It ended after the whole run, whose record was lost."""
+    script, record = ROOT / "yade_scripts" / "run_case.py", tmp_path / "none" / "run.h5"
+    ended = subprocess.run(
+        [sys.executable, str(script), str(tmp_path / "case.h5"), str(record)], check=False, capture_output=True, text=True
+    )
+    assert ended.returncode == 1 and ended.stderr.endswith(
+        f"error: {record}: its folder does not exist; make the folder, then run the case again\n"
+    )
+
+
 @pytest.mark.yade
 def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path) -> None:
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")

@@ -77,6 +77,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     counts = joints_per_class(scene.joint_classes, blocks, decided.whole.interfaces)
     facts["joint_classes"] = [one | {"interfaces": n} for one, n in zip(classes_as_dicts(scene.joint_classes), counts, strict=True)]
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
+    facts["motion"] = None if scene.support_twist is None else scene.support_twist.tolist()
     facts["motions"] = [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks)
     facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
     facts["own_pace"] = sorted(PACE & scene.yade.keys())
@@ -107,8 +108,11 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
         count = plural(joints["interfaces"], "interface")
         table.add_row(tables.plain(f"friction of {class_words(joints)}, {count}"), number_text(joints["friction"], 4), "")
     for motion in facts["motions"]:
-        across = ", ".join(number_text(part, 4) for part in motion["velocity"])
-        table.add_row(tables.plain(f"share of the settlement, {', '.join(motion['names'])}"), f"({across})", "")
+        across, names = ", ".join(number_text(part, 4) for part in motion["velocity"]), ", ".join(motion["names"])
+        if any(facts["motion"][3:]):
+            table.add_row(tables.plain(f"motion in the middle per rad of the rotation, {names}"), f"({across})", "m")
+        else:
+            table.add_row(tables.plain(f"share of the settlement, {names}"), f"({across})", "")
     if facts["tilt"] is not None:
         table.add_row("axis about which the ground tilts", f"({', '.join(number_text(part, 4) for part in facts['tilt'])})", "")
     for method, words in (("limit_analysis", "limit analysis takes"), ("yade", "YADE takes")):

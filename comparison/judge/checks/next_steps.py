@@ -37,7 +37,9 @@ COME_TO_REST = (
 )
 INTERRUPTED_RUN = "YADE's run was interrupted"  # begins the reason of such a run
 GO_ON = "Run the scene again: limit analysis is stored, and YADE begins anew."
-CHANGE_SETTING = "Change this key of the scene's [yade] table, or leave it out, so that it is derived; then run the scene again."
+CHANGE_SETTING = (
+    "Change this key of [yade] where it is set, in the scene or the campaign, or leave it out, so that it is derived; then run it again."
+)
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
