@@ -20,13 +20,14 @@ from scipy import sparse
 
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.joint_rates import joint_powers
+from la_core.coulomb.path.joint_rates import joint_powers, joint_rates
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.limit import Cones, Drive, Programme, ProgrammeOutcome
 from la_core.measures import residuals
 from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
+LEAST_CLOSING = 1e-3  # over the support's rate: an open point that closes more slowly may only follow the strain of the joints
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
 END_ITERATIONS, LEAST_END_ITERATIONS = 0.2, 200  # most iterations of the last stretch: share of those of the path, and least number
 END_STEPS = 20  # least number of steps of the last stretch
@@ -149,11 +150,10 @@ def certified_end(path: QuasiStaticPath, stretch: float) -> End:
 
 
 class _Pressed:
-    """Contact points that may carry forces near the end of a path, and the programmes for their forces and for their mechanism."""
+    """Contact points near the end of a path, and programmes for their forces and mechanism. may_close: whether it may close points."""
 
-    def __init__(self, joints: ElasticJoints, state: State) -> None:
-        self.joints = joints
-        self.points = np.flatnonzero(state.joints.displacement[:, 0] <= joints.sag)  # a joint open by more than the sag carries nothing
+    def __init__(self, joints: ElasticJoints, points: np.ndarray, may_close: bool = True) -> None:
+        self.joints, self.points, self._may_close = joints, points, may_close
         self.count, self.width = len(self.points), joints.width
         rows = (self.points[:, None] * self.width + np.arange(self.width)).ravel()
         self.kinematics = joints.kinematics[rows].tocsr()
@@ -204,7 +204,8 @@ class _Pressed:
             [sparse.hstack([axis, none, none]).tocsr() for axis in tangents],
         )
         live = sparse.hstack([self.live, sparse.csr_matrix((self.live.shape[0], 2 * self.count))])
-        parting = sparse.vstack([sparse.hstack([normal, one, none]), sparse.hstack([-normal, one, none])])
+        closing = sparse.hstack([normal, one if self._may_close else none, none])
+        parting = sparse.vstack([closing, sparse.hstack([-normal, one, none])])
         quadratic = np.concatenate([np.full(freedoms, NEAR_RATE), np.zeros(2 * self.count)])
         return Programme(sparse.vstack([live, parting, cone]).tocsr(), self._cones(self.live.shape[0], 2 * self.count), quadratic)
 
@@ -250,13 +251,31 @@ class _Pressed:
         return State(last.progress - 1.0, last.blocks - rate, earlier, multiplier), replace(last, joints=joints, multiplier=multiplier)
 
 
+def without_closing(joints: ElasticJoints, end: End) -> End:
+    """Return an end whose mechanism closes no gap, with the same forces; the same end where it closes none, or none is found.
+
+    Blocks as laid have no gaps. Elastic joints have some, which a path may leave open: of two blocks that slide apart under a live load the
+    one behind then moves alone, into the one ahead. The mechanism nearest to that of the path is found, as in `limit_state_near`.
+    """
+    last = end.last
+    if joints.turning is not None or joint_rates(joints, end.before, last).gap.min(initial=0.0) >= -LEAST_CLOSING:
+        return end
+    laid = _Pressed(joints, np.arange(len(joints.friction)), may_close=False)
+    rate = laid.mechanism(last.joints.force, (last.blocks - end.before.blocks) / (last.progress - end.before.progress))
+    if rate is None:
+        return end
+    before, last = laid.states(last, last.joints.force, last.multiplier, rate)
+    certificate = certify(joints, before, last)
+    return End(before, last, certificate) if certificate.worst <= ACCEPTED_RESIDUAL else end
+
+
 def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: None) -> End:
     """Limit state near the end of a path, or the closest state that is found.
 
     It has the value of the path, unless no limit state with that value is found. tell: called before every round.
     """
     best = end_of(path)
-    pressed = _Pressed(path.joints, path.last)
+    pressed = _Pressed(path.joints, np.flatnonzero(path.last.joints.displacement[:, 0] <= path.joints.sag))  # wider gaps carry nothing
     end = path.last.joints.force[pressed.points], path.points[-1].value
     for held in (True, False):
         rate, worst = path.rate, np.inf

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, LEAST_CLOSING
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.joint_rates import joint_rates
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.coulomb.plateau import FLAT, reference_size
-
-LEAST_CLOSING = 1e-3  # over the support's rate: an open point that closes more slowly may only follow the strain of the joints
 
 
 def next_change(joints: ElasticJoints, before: State, last: State) -> float:

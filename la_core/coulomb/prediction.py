@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_of_forces, mechanism_and_forces
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, error_of_forces, mechanism_and_forces, without_closing
 from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow_large
 from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
@@ -257,11 +257,12 @@ def _smooth_paths(
 def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath]) -> CoulombSolution:
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     alike = on_one_plateau(followed)
+    own = next(k for k, path in enumerate(followed) if path is alike[0])
+    alike = [replace(path, end=without_closing(joints, path.end)) for path in alike]
     chosen, is_smooth = alike[0], followed[-1].smooth_error > 0.0
     last, certificate = chosen.end.last, chosen.end.certificate
     value, unit = chosen.plateau.value, joints.value_in_units(1.0)
     met = np.array([*(path.plateau.value for path in followed), *chosen.on_the_way])
-    own = next(k for k, path in enumerate(followed) if path is chosen)
     others = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist()) if own not in group]
     twists, forces = mechanism_and_forces(joints, chosen.end)
     uncertainty = stated_uncertainty(chosen, followed) + error_of_forces(joints, chosen.end) / unit
