@@ -71,7 +71,7 @@ def with_uncertainty(value: Any, uncertainty: Any) -> str:
     if not (exists(value) and exists(uncertainty)) or uncertainty < LEAST_UNCERTAINTY or format_number(value + uncertainty, 5) == text:
         return text
     places = max(0, -math.floor(math.log10(uncertainty)))
-    return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
+    return f"{round(value, places) + 0.0:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")  # 0.0: without a negative zero
 
 
 def several_plateaus(values: Any, unit: str) -> str:

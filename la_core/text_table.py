@@ -47,7 +47,7 @@ def over_weight(value: float | None, weight: float) -> float | None:
 
 
 def without_round_off(value: float, weight: float) -> float:
-    """A value (N or N m), or 0 where it is only round-off beside the weight (N)."""
+    """A value (N, N m, multiplier), or 0 where it is only round-off. weight: size to compare with, W in N, or 1 for a multiplier."""
     return 0.0 if abs(value) < ROUND_OFF * weight else value
 
 

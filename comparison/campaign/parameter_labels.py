@@ -128,11 +128,13 @@ def words_of(held: Mapping[str, Any], named: Mapping[str, str] | None = None) ->
 
 
 def shown(value: Any) -> str:
-    """Return a parameter's value as short text; a dash for None."""
+    """Return a parameter's value as short text; a dash for None. Of a table, the keys that have a value."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
         return "(" + ", ".join(shown(entry) for entry in value) + ")"
+    if isinstance(value, dict):
+        return ", ".join(f"{_plain(key)} {shown(entry)}" for key, entry in value.items() if entry not in (None, [], {}))
     if isinstance(value, int | float):
         return f"{value:.6g}".replace("-", "−", 1) if value < 0 else f"{value:.6g}"
     return format_number(None) if value is None else str(value)

@@ -35,7 +35,7 @@ def over_weight(row: Row, name: str) -> float | None:
     if not exists(value):
         return None
     if not row.get("unit"):
-        return value
+        return text_table.without_round_off(value, 1.0)
     return text_table.over_weight(value, weight) if exists(weight) and weight > 0.0 else None
 
 

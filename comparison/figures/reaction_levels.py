@@ -64,8 +64,13 @@ def levels(analysis: LimitAnalysis) -> dict[str, float]:
         named["coulomb"] = analysis.coulomb.value
         if is_changed_by_release(analysis.coulomb, analysis.assembly.in_value_unit(analysis.assembly.weight)):
             named["released"] = analysis.coulomb.released
-    size = 0.0 if analysis.main is Drive.LIVE else analysis.assembly.weight
+    size = _size(analysis)
     return {name: without_round_off(value, size) for name, value in named.items() if np.isfinite(value)}
+
+
+def _size(analysis: LimitAnalysis) -> float:
+    """Return the size beside which a value may be round-off: the weight, N, or 1 for a multiplier."""
+    return 1.0 if analysis.main is Drive.LIVE else analysis.assembly.weight
 
 
 def greatest_level(analysis: LimitAnalysis) -> float:
@@ -79,7 +84,7 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
     """Return the Coulomb interval; either end may be infinite. None where the interval is unknown or a point."""
     if analysis.coulomb is None or np.isnan([analysis.coulomb.value, *analysis.coulomb.interval]).any():
         return None
-    low, high = (without_round_off(end, 0.0 if analysis.main is Drive.LIVE else analysis.scene.weight) for end in analysis.coulomb.interval)
+    low, high = (without_round_off(end, _size(analysis)) for end in analysis.coulomb.interval)
     return (low, high) if high - low > POINT * abs(analysis.coulomb.value) else None
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import A_POINT, DASH, Units, first_names, format_number, several_plateaus, with_uncertainty
-from comparison.report.values import NOT_STATED, UNLIMITED, associated_of, rounding_change, rounding_words, values_of
+from comparison.report.values import NOT_STATED, UNLIMITED, angle_of, associated_of, rounding_change, rounding_words, values_of
 from comparison.verdict import Verdict
 from la_core.text_table import PLACES, coordinate_text, exists, without_round_off
 
@@ -121,7 +121,7 @@ def _how_well_known(comparison: dict[str, Any], units: Units) -> Iterator[str]:
 
 
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
-    predicted = predicted_value(comparison)
+    predicted = without_round_off(predicted_value(comparison), 1.0)
     direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
     weight, size = _pushed_weight(comparison, facts)
     if facts.get("tilt"):
@@ -139,7 +139,8 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     yade = comparison.get("yade") or {}
     reaction = yade.get("reaction")
     if not (facts.get("tilt") and "YADE" in angle_words(comparison)):  # which gives the angles of both methods
-        yield from _of_yade(comparison, f"{format_number(reaction, 4)} times {weight}" if exists(reaction) else "")
+        given = f"{format_number(without_round_off(reaction, 1.0), 4)} times {weight}" if exists(reaction) else ""
+        yield from _of_yade(comparison, given)
 
 
 def _pushed_weight(comparison: dict[str, Any], facts: dict[str, Any]) -> tuple[str, float | None]:
@@ -157,11 +158,11 @@ def angle_words(comparison: dict[str, Any]) -> str:
     yade = comparison.get("yade") or {}
     if not name:
         return ""
-    found = f"{with_uncertainty(answer['angle'], answer.get('angle_uncertainty'))} degrees by limit analysis"
+    found = f"{with_uncertainty(angle_of(answer), answer.get('angle_uncertainty'))} degrees by limit analysis"
     if name == BOUND:
         found = f"at most {found} ({UPPER})"
     if exists(yade.get("angle")) and yade.get("status") == "plateau":
-        found += f" and of {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
+        found += f" and of {with_uncertainty(angle_of(yade), yade.get('angle_uncertainty'))} degrees in YADE"
     axis = (comparison.get("structure") or {}).get("tilt")
     about = f" about {_vector(axis)}" if axis else ""
     moves = _moves_at(comparison)

@@ -71,7 +71,7 @@ class _Answers:
 
     def shown(self, value: Any) -> float | None:
         """Return a value in the report's unit, 0 where it is only round-off; None where it is undefined."""
-        return self._units.value(value, self.si_unit)
+        return self._units.value(without_round_off(value, 1.0) if self.live and exists(value) else value, self.si_unit)
 
     def compared(self) -> float | None:
         """Return the value that YADE is compared with: the prediction, or else the bound."""
@@ -96,13 +96,19 @@ class _Answers:
     def angles(self) -> dict[str, tuple[Any, Any]]:
         """Return the angle of a tilt and its uncertainty, degrees, by the name of the answer."""
         sources = (("associated", self.bounds), ("Coulomb", self.prediction), ("YADE", self.yade if self.is_steady else {}))
-        return {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer}
+        return {name: (angle_of(answer), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer}
+
+
+def angle_of(answer: dict[str, Any]) -> Any:
+    """Return the angle of a tilt in an answer, degrees, 0 where it is only round-off; None where it is undefined."""
+    angle = answer.get("angle")
+    return without_round_off(angle, math.degrees(1.0)) if exists(angle) else angle
 
 
 def _size_of_weight(comparison: dict[str, Any], live: bool) -> float:
-    """Return the weight beside which a reaction may be round-off, N; 0 for a multiplier, and where the weight is unknown."""
+    """Return the size beside which a value may be round-off: W for a reaction, N, 0 where it is unknown; 1 for a multiplier."""
     weight = comparison.get("weight")
-    return weight if exists(weight) and not live else 0.0
+    return 1.0 if live else weight if exists(weight) else 0.0
 
 
 def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
@@ -133,7 +139,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "live": answers.live,
         "difference_text": small_number(reactions["difference"], compared, 5),
         "difference_words": share_of(reactions["difference"], compared if is_something else None),
-        "multiplier": answers.bounds.get("multiplier"),
+        "multiplier": answers.shown(answers.bounds.get("multiplier")),
         "angles": answers.angles(),
         "status": answers.associated.get("status") or DASH,
         "yade_status": answers.yade.get("status") or "not run",
@@ -143,9 +149,8 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
 
 
 def range_end(end: Any, unit: str, units: Units) -> float | None:
-    """Return an end of a check's range in the report's units; a reaction that is only round-off beside the weight is 0."""
-    is_reaction = exists(end) and exists(units.weight) and unit in ("N", "N m")
-    return units.value(without_round_off(end, float(units.weight or 0.0)) if is_reaction else end, unit)
+    """Return an end of a check's range in the report's units, 0 where it is only round-off; None where it is undefined."""
+    return units.value(without_round_off(end, 1.0) if unit == "" and exists(end) else end, unit)
 
 
 def _sum(*values: Any) -> float | None:

@@ -188,7 +188,8 @@ def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> E
     """Return the effects with friction and elasticity decided by a search; raises SceneError as `decide_effects` does."""
     if not search.found:
         effects = effects.with_effect("friction", search.law, search.reason)
-        effects = effects.with_effect("rotation", "small", "no joint slides, so the mechanism allows one value")
+        why = "no joint has friction" if search.law == "associated" else "no joint slides"
+        effects = effects.with_effect("rotation", "small", f"{why}, so the mechanism allows one value")
         return effects.with_effect("elasticity", "none", "no joint dilates, so the strain of joints has no effect")
     if scene.effects.elasticity == "none" and search.known:
         reason = f"{search.reason}, and friction without dilatancy depends on the strain of the joints"

@@ -117,7 +117,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     rest, iterations = come_to_rest(joints, tangent, wedging)
     if rest is None:
         return True, "the blocks do not come to rest on elastic joints", iterations
-    end = first_travel(joints)
+    end, during = first_travel(joints), "under the live load" if joints.live else "while the support moves"
     path = QuasiStaticPath(joints, tangent, rest, annealed(joints, VISCOSITY))
     work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # energy at rest: joints that open lose theirs later
     for _ in path.advance_to(end / 2.0):
@@ -125,7 +125,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     for _ in path.advance_to(end):
         work += _friction_work(joints, path.before, path.last)
         if work.sum() > SLIGHT_WORK * max(at_rest, _energy(joints, path.last)):
-            return True, f"{_joint(joints.assembly, work)} slides while the support moves", iterations + path.iterations
+            return True, f"{_joint(joints.assembly, work)} slides {during}", iterations + path.iterations
     iterations += path.iterations
     if path.last.progress < end:
         return True, "a step on elastic joints has no answer", iterations
@@ -133,7 +133,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     if abs(path.points[-1].value - bound) > SAME_VALUE * reference_size(bound):
         return True, "the strain of the joints keeps the structure from its plateau, so friction may decide the value", iterations
     less = f"{100.0 * (1.0 - LESS_FRICTION):.0f} %"
-    return False, f"no joint slides while the support moves, even with {less} less friction: the bound is the value from rest", iterations
+    return False, f"no joint slides {during}, even with {less} less friction: the bound is the value from rest", iterations
 
 
 def _friction_work(joints: ElasticJoints, before: State, last: State) -> np.ndarray:

@@ -12,7 +12,7 @@ from comparison.campaign.columns import METHODS, result_columns
 from comparison.campaign.figures import classic, maps
 from comparison.campaign.figures import lines as plot_lines
 from comparison.campaign.figures.case_costs import case_cost_figure
-from comparison.campaign.parameter_labels import label, quantity
+from comparison.campaign.parameter_labels import label, quantity, shown
 from comparison.campaign.report.report import write_campaign_report
 from comparison.campaign.row_groups import sweeps_of
 from comparison.figures.canvas import LIMIT_ANALYSIS, YADE
@@ -24,6 +24,22 @@ pytestmark = pytest.mark.slow
 def test_the_axis_of_a_reaction_says_its_unit_though_the_first_case_failed(tmp_path: Path) -> None:
     (drawn,) = plot_lines.reaction_figures(sweeps_of(left_out(campaign(tmp_path), 0)))
     assert drawn.figure.axes[0].get_ylabel() == quantity("N") != quantity("")
+
+
+def test_forces_and_moments_of_one_sweep_have_panels_of_their_own(tmp_path: Path) -> None:
+    """The moments of the last two cases stood on the axis of the forces."""
+    table = campaign(tmp_path, "one axis")
+    rows = [row | {"unit": "N m" if row[MU] > 0.45 else "N"} for row in table.rows if row["scene"] == "scene0"]
+    (drawn,) = plot_lines.reaction_figures(sweeps_of(replace(table, rows=rows)))
+    assert [axes.get_ylabel() for axes in drawn.figure.axes] == [quantity("N"), quantity("N m")]
+    points = [{len(line.get_xdata()) for line in axes.get_lines() if line.get_color() == LIMIT_ANALYSIS} for axes in drawn.figure.axes]
+    assert points == [{3}, {2}]
+
+
+def test_a_table_is_shown_by_its_keys_with_values() -> None:
+    """Labels held the text of a Python table with all its keys, and took the place of the whole figure."""
+    assert shown({"axis": [0.0, 1.0, 0.0], "point": [0.5, 0.0, 0.0], "direction": None, "zone": []}) == "axis (0, 1, 0), point (0.5, 0, 0)"
+    assert shown({"load_factor": 2.0}) == "load factor 2"
 
 
 def test_a_panel_in_which_no_case_stands_is_left_out(tmp_path: Path) -> None:

@@ -4,15 +4,21 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import scenes
+from conftest import Silent
 from made_up_comparisons import comparison_of, frictional_comparison, page_and_markdown, values_part
 
 import la_core
+from comparison.figures.reaction_levels import levels
 from comparison.judge.checks.answer import check_expected
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units, format_number
 from comparison.report import notes_of, report, values
+from comparison.report.plain_words import plain_words
 from comparison.report.scene_view import view_of_scene
+from comparison.report.values import rounding_words
 from comparison.verdict.verdict_table import verdict_cells, verdict_title
+from comparison.workflow import run_scene
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -318,3 +324,20 @@ def test_a_force_of_round_off_is_shown_as_zero() -> None:
     assert Units(1500.0).text(7.5e-7, "N") == "0 kN" == Units(1500.0).text(-7.5e-7, "N")
     assert Units(1500.0).text(1e-3, "N") != "0 kN" and Units(None).text(7.5e-7, "N") != "0 kN"
     assert Units(1500.0).text(1e-9, "m") != "0 mm"
+
+
+@pytest.mark.parametrize("tilts", [False, True])
+def test_a_multiplier_of_round_off_is_shown_as_zero(tilts: bool, tmp_path: Path) -> None:
+    """A block without friction failed "at 1.505e-11 times its weight", and "at a tilt of 8.624e-10 degrees"."""
+    ground, block = scenes.box("ground", (-1.0, 0.0, -0.3), (2.0, 0.4, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.4, 0.4))
+    drive: dict[str, Any] = {"tilt": (0.0, 1.0, 0.0)} if tilts else {"live": (1.0, 0.0, 0.0)}
+    scene = scenes.build(ground, block, friction=0.0, inset=0.001, settlement=None, model="auto", **drive)
+    summary = run_scene(scene, tmp_path, Silent(), with_yade=False)
+    units = Units(scene.weight)
+    words = " ".join(plain_words(summary, units))
+    assert ("a tilt of the ground about y of 0" if tilts else "fails at 0 times its weight") in words
+    assert rounding_words(summary, units) == "The inset of 1 mm does not change the associated multiplier, 0."
+    assert values.values_of(summary, units)["coulomb"] == 0.0
+    assert set(levels(analyse(scene)).values()) == {0.0}
+    effects = summary["effects"]["reasons"]
+    assert effects["rotation"] == "no joint has friction, so the mechanism allows one value"

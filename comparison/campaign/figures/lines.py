@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -48,7 +48,8 @@ class Drawn:
 
 def reaction_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
     """Yield figures of reaction over weight against every parameter; bounds and interval are bands if a panel has one line."""
-    for parameter, group, left_out in _groups(sweeps, _has_reaction):
+    of_one_unit = [part for sweep in sweeps for part in _by_unit(sweep)]
+    for parameter, group, left_out in _groups(of_one_unit, _has_reaction):
         yield _figure(parameter, group, left_out, _draw_reactions, "", reactions=True)
 
 
@@ -56,6 +57,12 @@ def participation_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
     """Yield figures of the participation index against every parameter."""
     for parameter, group, left_out in _groups(sweeps, _has_participation):
         yield _figure(parameter, group, left_out, _draw_participation, "participation index (-)", reactions=False)
+
+
+def _by_unit(sweep: SweepRows) -> list[SweepRows]:
+    """Return the sweep in parts whose values have one unit: a force over W and a moment over W share no axis. A failed case has no unit."""
+    units = list(dict.fromkeys(row["unit"] for row in sweep.rows if row.get("unit") is not None))
+    return [replace(sweep, rows=[row for row in sweep.rows if row.get("unit") in (None, unit)]) for unit in units] or [sweep]
 
 
 def _has_reaction(row: Row) -> bool:

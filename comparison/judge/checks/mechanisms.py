@@ -83,6 +83,8 @@ def _mass_in_one_only(results: Results, predicted: np.ndarray, moves: list[np.nd
 
 def _otherwise(results: Results, twists: np.ndarray, determined: bool, is_alone: bool) -> tuple[Verdict, str]:
     """Return the verdict on mechanisms that differ, and the reason."""
+    if is_alone and results.analysis.assembly.effects.friction == "none-slides":
+        return Verdict.INCONCLUSIVE, " Joints slide in YADE, but the scene excludes sliding in limit analysis."
     if is_alone:
         return Verdict.INCONCLUSIVE, " Sliding joints dilate in the associated mechanism and not in YADE."
     if not determined:
