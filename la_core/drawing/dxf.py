@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import math
 import re
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -34,6 +35,7 @@ SPLINE_FRAME = 16  # flag of the vertices of a polyline that only guide its curv
 DEEPEST = 20  # inserts within inserts
 LEAST_CHORDS, MOST_CHORDS = 2, 1024  # of a curve; MOST_CHORDS follow half a circle to within FINEST of its size
 CUBIC = 3  # degree of most splines
+BEZIER_ARC = 30.0  # degrees: most of an arc that one Bézier curve follows, to within 4e-7 of the radius; over 90 degrees it is 3e-4
 LARGEST = 1e12  # units of the file: largest extent of one entity
 FINEST = 1e-6  # of an entity's extent: smallest sagitta in use
 DWG = b"AC10"  # the first bytes of a DWG file
@@ -202,7 +204,19 @@ def _path_of(entity: Any) -> Any:
 
     if entity.dxftype() == "POLYLINE":  # the frame of a smoothed polyline is not shown
         entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
-    return path.make_path(entity)
+    pieces = max(math.ceil(_widest_arc(entity) / BEZIER_ARC), 1)
+    return path.make_path(entity, segments=3 * pieces if "POLYLINE" in entity.dxftype() else pieces)  # ezdxf takes a third of it for bulges
+
+
+def _widest_arc(entity: Any) -> float:
+    """Largest angle, degrees, that an arc of an entity covers: of an ellipse in its parameter, of a polyline by its bulges; else 0."""
+    kind, dxf = entity.dxftype(), entity.dxf
+    if kind in ("ARC", "ELLIPSE"):
+        span = dxf.end_angle - dxf.start_angle if kind == "ARC" else math.degrees(dxf.end_param - dxf.start_param)
+        return float(span) % 360.0 or 360.0
+    bulges = [vertex.dxf.get("bulge", 0.0) for vertex in entity.vertices] if kind == "POLYLINE" else []
+    bulges += [bulge for _, _, bulge in entity.get_points("xyb")] if kind == "LWPOLYLINE" else []
+    return 360.0 if kind == "CIRCLE" else math.degrees(4.0 * math.atan(max(map(abs, bulges), default=0.0)))
 
 
 def _is_general_spline(entity: Any) -> bool:

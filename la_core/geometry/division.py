@@ -6,28 +6,33 @@ inward corner and that corner, too, then turns inwards on neither side. Both sid
 an inward corner and makes none, so the division ends.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
 AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
+SHALLOW = 1e-5  # of the size: a shallower dent is none, because a face that touches one of its sides touches the cut behind it, too
+INDIVISIBLE = "the profile cannot be divided into convex parts; correct its corners, or state their error by [geometry] tolerance"
 MOST_AT_A_TIME = 1_000_000  # rays times edges that are computed together, to save memory
 
 
 def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
     """Convex parts (m, 2) of a simple, counter-clockwise profile (n, 2); a convex profile is its own part.
 
-    Raises ValueError for a profile that cannot be divided.
+    Shallow dents are filled: a stone drawn to three decimals of a millimetre has such dents where its neighbours meet it. Raises ValueError
+    for a profile that cannot be divided.
     """
     left, parts = [profile], []
     while left:
-        points = without_straight_corners(left.pop())
+        points = _without_shallow_dents(without_straight_corners(left.pop()))
         inward = np.flatnonzero(_turns(points) < 0.0)
         if not len(inward):
             parts.append(points)
             continue
-        sides = [without_straight_corners(side) for side in _cut(points, inward)]
+        sides = [_without_shallow_dents(without_straight_corners(side)) for side in _cut(points, inward)]
         if sum(int(np.sum(_turns(side) < 0.0)) for side in sides) >= len(inward):
-            raise ValueError("the profile cannot be divided into convex parts")
+            raise ValueError(INDIVISIBLE)
         left += sides
     return parts
 
@@ -37,16 +42,27 @@ def without_straight_corners(points: np.ndarray, flatness: float = FLATNESS) -> 
 
     flatness: largest distance from the line at which a corner lies on it, over the size of the profile.
     """
+    return _without_corners(points, lambda turns, reach: np.abs(turns) <= flatness * reach)
+
+
+def _without_shallow_dents(points: np.ndarray) -> np.ndarray:
+    """The profile (n, 2) without inward corners that lie nearly on the line between their neighbours; a dart does not become a triangle."""
+    return _without_corners(points, lambda turns, reach: (turns < 0.0) & (turns >= -SHALLOW * reach), least=4)
+
+
+def _without_corners(points: np.ndarray, is_left_out: Callable[[np.ndarray, np.ndarray], np.ndarray], least: int = 2) -> np.ndarray:
+    """The profile (n, 2) without some corners. is_left_out: mask (n,) from their turns, and from the longer edge times the size, m2.
+
+    least: number of corners that are always left.
+    """
     size = np.ptp(points, axis=0).max()
-    while len(points) > 2:
+    while len(points) > least:
         arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-        reach = np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T))
-        straight = np.abs(_turns(points)) <= flatness * size * reach
-        if not straight.any():
+        mask = is_left_out(_turns(points), size * np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T)))
+        if not mask.any():
             break
         # One corner is removed at a time, because its neighbours must then be tested again.
-        first = int(np.argmax(straight))
-        points = np.delete(points, first, axis=0)
+        points = np.delete(points, int(np.argmax(mask)), axis=0)
     return points
 
 
@@ -68,7 +84,7 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
                 best = (cost, corner, edge, meeting)
     _, corner, edge, end = best
     if end is None:
-        raise ValueError("the profile cannot be divided into convex parts")
+        raise ValueError(INDIVISIBLE)
     count = len(points)
     rolled = np.roll(points, -corner, axis=0)  # the inward corner comes first
     after = (edge - corner) % count  # the cut ends on the edge from this corner to the next

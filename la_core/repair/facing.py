@@ -11,6 +11,7 @@ WEDGE = np.cos(np.radians(25.0))  # cosine of the largest angle between two face
 TOUCH = 1e-6  # of a block's size: largest gap between touching parts of one block
 LEAST_OVERLAP = 1e-6  # of a face's area: a smaller overlap is only an edge
 EXACT = 1e-7  # m: faces this close touch as drawn
+BENT = 1e-3  # rad: faces side by side at a larger angle are chords of a curve, or a drawn bend
 COVERED = 0.999  # of a face's area: a face that touches others with this share touches them everywhere
 
 
@@ -82,6 +83,7 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     overlap, corners, ring = _overlaps(parts, face_a, face_b, 0.0)
     beside = np.setdiff1d(np.flatnonzero(~same[pair]), overlap)
     aligned = _aligned(parts, face_a[beside], face_b[beside], limit[pair[beside]])
+    bent = np.sum(parts.face_normal[aligned[:, 0]] * parts.face_normal[aligned[:, 1]], axis=1) > -np.cos(BENT)
     pair, face_a, face_b, cosine = pair[overlap], face_a[overlap], face_b[overlap], cosine[overlap]
     normal_a, normal_b = parts.face_normal[face_a], parts.face_normal[face_b]
     gap = parts.face_offset[face_b[ring]] - np.sum(normal_b[ring] * corners, axis=1)
@@ -93,7 +95,10 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     if len(near):
         polygons, others = (face_polygons(parts, face[near], face_a[near]) for face in (face_a, face_b))
         area[near] = shapely.area(overlap_of(polygons, others))
-    kept = (widest <= limit[pair]) & ~_is_needless(parts, face_a, face_b, area, widest)
+    whole = _is_whole(parts, face_a, face_b, area, widest)
+    aligned = aligned[~(bent & whole[aligned].all(axis=1))]  # chords of a curve stay as drawn where they touch already
+    needless = (widest > EXACT) & (whole[face_a] | whole[face_b])
+    kept = (widest <= limit[pair]) & ~needless
     of_kept, area = kept[ring], area[kept]
     sizes = np.bincount(ring, minlength=len(pair))[kept]
     middle = corners + 0.5 * gap[:, None] * normal_a[ring]
@@ -102,8 +107,8 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start, aligned)
 
 
-def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np.ndarray, widest: np.ndarray) -> np.ndarray:
-    """Mask of the pairs with a gap that need no closing, because one of their faces touches other faces everywhere.
+def _is_whole(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np.ndarray, widest: np.ndarray) -> np.ndarray:
+    """Mask (F,) of the faces that touch other faces everywhere. A pair with a gap needs no closing where one of its faces does.
 
     A chord of a curve touches the equal chord of the next block. It also faces the chords before and after that one across narrow wedges.
     area: (L,), area of the overlap of each pair, m2. widest: (L,), its largest gap, m.
@@ -112,8 +117,8 @@ def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np
     covered = np.zeros(len(parts.face_normal))
     for face in (face_a, face_b):
         np.add.at(covered, face[touches], area[touches])
-    is_whole = covered >= COVERED * face_areas(parts)
-    return (widest > EXACT) & (is_whole[face_a] | is_whole[face_b])
+    whole: np.ndarray = covered >= COVERED * face_areas(parts)
+    return whole
 
 
 def face_areas(parts: Blocks) -> np.ndarray:

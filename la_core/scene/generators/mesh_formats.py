@@ -104,11 +104,14 @@ def _surfaces_by_trimesh(suffix: str, content: bytes, stem: str) -> list[Surface
         elif STL_IN_TEXT.match(content):
             content = _text(content).encode()
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
-        bodies = {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
+        is_cloud = any(not hasattr(mesh, "faces") for mesh in loaded.geometry.values())
+        bodies = {} if is_cloud else {str(name): _vertices_and_faces(mesh) for name, mesh in loaded.geometry.items()}
     except ImportError as error:  # trimesh takes invalid STL for text in an unknown encoding, and lacks the package for that
         raise ValueError(f"not a whole {suffix[1:].upper()} file: it is cut off, or damaged") from error
     except Exception as error:  # the reader may raise any error for invalid bytes
         raise ValueError(f"not a whole {suffix[1:].upper()} file: {error or type(error).__name__}") from error
+    if is_cloud:
+        raise ValueError("holds points without faces; export its surfaces instead of a cloud of points")
     for vertices, faces in bodies.values():
         if faces and not 0 <= min(map(min, faces)) <= max(map(max, faces)) < len(vertices):
             raise ValueError("a face refers to a vertex that does not exist")
