@@ -206,8 +206,8 @@ def _parts(sweep: Sweep, values: dict[str, Any], labels: dict[str, str]) -> dict
 
 def _of_folders(label: str, key: str) -> str:
     """Return the label for names of folders; the key where such a name would leave out a letter or everything."""
-    safe = _safe(label)
-    return safe if safe and sum(map(str.isalpha, safe)) == sum(map(str.isalpha, label[:LONGEST])) else key
+    letters = sum(map(str.isalpha, label))
+    return _safe(label) if letters == sum(map(str.isalpha, _UNSAFE.sub("", label))) and _safe(label) else key
 
 
 def _word(value: Any, values: tuple[Any, ...]) -> str:

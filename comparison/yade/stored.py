@@ -122,6 +122,11 @@ def results_beside(folder: Path) -> str:
     return nearest(folder.name, beside, f"results in {folder.parent}") if beside else ""
 
 
+def _is_of_results(source: str) -> bool:
+    """Whether a path that does not exist may be meant as a folder of results: a name alone, or the path of a scene file, is not."""
+    return "/" in source and not source.endswith((".toml", ".."))
+
+
 def _holds(question: Callable[[], bool]) -> bool:
     """Return the answer to a question about a path; it is False if the name is too long for the system."""
     try:
@@ -141,7 +146,12 @@ def locate_results(source: str) -> list[Path]:
     is_scene = source in shipped.names() or _holds(Path(f"{source}.toml").is_file)  # a scene beside a folder of its name
     if not source or not _holds(folder.is_dir):
         is_file = bool(source) and _holds(folder.exists)
-        if source and not is_scene and not is_file and (hint := among_results(source) or (results_beside(folder) if "/" in source else "")):
+        if (
+            source
+            and not is_scene
+            and not is_file
+            and (hint := among_results(source) or (results_beside(folder) if _is_of_results(source) else ""))
+        ):
             raise SceneError(source, "neither a folder of results, a file nor a shipped scene", hint=hint)
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))

@@ -160,7 +160,7 @@ class _Pressed:
         self.motion, self.friction = joints.motion[self.points], joints.friction[self.points]
         self.blocks = len(joints.weights) / joints.freedoms
         self.live = sparse.csr_matrix(joints.live_load[None, :] if joints.live else np.zeros((0, len(joints.weights))))
-        self._frames = {held: self._force_frame(held) for held in (True, False)}
+        self._frames: dict[bool, tuple[sparse.csr_matrix, Cones]] = {}
         self._mechanism = self._mechanism_programme()
 
     def _cones(self, equalities: int, others: int) -> Cones:
@@ -220,7 +220,8 @@ class _Pressed:
         reaction, holding = np.zeros(0 if self.joints.live else 1), np.full(int(held), -self.blocks * value)
         others = np.zeros(self.count * (1 + (2 if self.width == 2 else 3)))
         offset = np.concatenate([self.blocks * self.joints.weights, reaction, holding, others])
-        programme = Programme(*self._frames[held], np.append(np.full(cost.size, near), 0.0))
+        frame = self._frames.get(held) or self._frames.setdefault(held, self._force_frame(held))
+        programme = Programme(*frame, np.append(np.full(cost.size, near), 0.0))
         answer = programme.solve(np.append(near * self.blocks * at_end.ravel() - cost.ravel(), 0.0), offset)
         if answer.outcome is not ProgrammeOutcome.OPTIMUM:
             return None

@@ -185,26 +185,27 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], motion: Any, scale: 
 
 def _chords(entity: Any, motion: Any, sagitta: float) -> tuple[float, np.ndarray, list[np.ndarray], bool]:
     """Extent of an entity, its corners (n, 2), the chords (m, 2) of each curve, and whether it is closed; in the file's unit."""
-    curve = _path_of(entity) if motion is None else _path_of(entity).transform(motion)
+    pieces = max(math.ceil(_widest_arc(entity) / BEZIER_ARC), 1)
+    curve = _path_of(entity, pieces) if motion is None else _path_of(entity, pieces).transform(motion)
     guides = _flat(curve.control_vertices())
     size = float(np.ptp(guides, axis=0).max()) if len(guides) else 0.0
     if not size <= LARGEST:  # also true for NaN
         return size, guides[:0], [], False
     finest = max(sagitta, FINEST * size)  # limits the number of chords of a huge circle
-    return size, _flat(curve.flattening(finest, LEAST_CHORDS)), _curves(curve, finest) if curve.has_curves else [], bool(curve.is_closed)
+    least = math.ceil(LEAST_CHORDS / pieces)
+    return size, _flat(curve.flattening(finest, least)), _curves(curve, finest, least) if curve.has_curves else [], bool(curve.is_closed)
 
 
 def _flat(points: Iterable[Any]) -> np.ndarray:
     return np.array([(point[0], point[1]) for point in points], dtype=float).reshape(-1, 2)
 
 
-def _path_of(entity: Any) -> Any:
-    """The path of an entity, as a CAD program shows it."""
+def _path_of(entity: Any, pieces: int) -> Any:
+    """The path of an entity, as a CAD program shows it, with at least this number of Bézier curves for an arc."""
     from ezdxf import path  # noqa: PLC0415
 
     if entity.dxftype() == "POLYLINE":  # the frame of a smoothed polyline is not shown
         entity.vertices[:] = [vertex for vertex in entity.vertices if not vertex.dxf.get("flags", 0) & SPLINE_FRAME]
-    pieces = max(math.ceil(_widest_arc(entity) / BEZIER_ARC), 1)
     return path.make_path(entity, segments=3 * pieces if "POLYLINE" in entity.dxftype() else pieces)  # ezdxf takes a third of it for bulges
 
 
@@ -213,7 +214,7 @@ def _widest_arc(entity: Any) -> float:
     kind, dxf = entity.dxftype(), entity.dxf
     if kind in ("ARC", "ELLIPSE"):
         span = dxf.end_angle - dxf.start_angle if kind == "ARC" else math.degrees(dxf.end_param - dxf.start_param)
-        return float(span) % 360.0 or 360.0
+        return float(span - 1e-6) % 360.0 + 1e-6  # a whole turn may end a little beyond its start
     bulges = [vertex.dxf.get("bulge", 0.0) for vertex in entity.vertices] if kind == "POLYLINE" else []
     bulges += [bulge for _, _, bulge in entity.get_points("xyb")] if kind == "LWPOLYLINE" else []
     return 360.0 if kind == "CIRCLE" else math.degrees(4.0 * math.atan(max(map(abs, bulges), default=0.0)))
@@ -261,8 +262,8 @@ def _span(curve: Any, start: float, end: float, finest: float, count: int) -> np
         count *= 2
 
 
-def _curves(curve: Any, finest: float) -> list[np.ndarray]:
-    """The chords (n, 2) of each curve of a path; straight parts are left out."""
+def _curves(curve: Any, finest: float, least: int) -> list[np.ndarray]:
+    """The chords (n, 2), at least `least`, of each curve of a path; straight parts are left out."""
     from ezdxf.path import Command, Path  # noqa: PLC0415
 
     found, start = [], curve.start
@@ -270,7 +271,7 @@ def _curves(curve: Any, finest: float) -> list[np.ndarray]:
         if command.type in (Command.CURVE3_TO, Command.CURVE4_TO):
             part = Path(start)
             part.append_path_element(command)
-            found.append(np.array([(point.x, point.y) for point in part.flattening(finest, LEAST_CHORDS)], dtype=float))
+            found.append(np.array([(point.x, point.y) for point in part.flattening(finest, least)], dtype=float))
         start = command.end
     return found
 

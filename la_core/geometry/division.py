@@ -6,13 +6,13 @@ inward corner and that corner, too, then turns inwards on neither side. Both sid
 an inward corner and makes none, so the division ends.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
 AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
-SHALLOW = 1e-5  # of the size: a shallower dent is none, because a face that touches one of its sides touches the cut behind it, too
+SHALLOW = (
+    3e-6  # of the size: shallower dents are filled. Faces touch within 1e-5 of it, so a neighbour would touch the cut behind a dent, too
+)
 INDIVISIBLE = "the profile cannot be divided into convex parts; correct its corners, or state their error by [geometry] tolerance"
 MOST_AT_A_TIME = 1_000_000  # rays times edges that are computed together, to save memory
 
@@ -42,28 +42,35 @@ def without_straight_corners(points: np.ndarray, flatness: float = FLATNESS) -> 
 
     flatness: largest distance from the line at which a corner lies on it, over the size of the profile.
     """
-    return _without_corners(points, lambda turns, reach: np.abs(turns) <= flatness * reach)
+    size = np.ptp(points, axis=0).max()
+    while len(points) > 2:
+        arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+        reach = np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T))
+        straight = np.abs(_turns(points)) <= flatness * size * reach
+        if not straight.any():
+            break
+        # One corner is removed at a time, because its neighbours must then be tested again.
+        first = int(np.argmax(straight))
+        points = np.delete(points, first, axis=0)
+    return points
 
 
 def _without_shallow_dents(points: np.ndarray) -> np.ndarray:
-    """The profile (n, 2) without inward corners that lie nearly on the line between their neighbours; a dart does not become a triangle."""
-    return _without_corners(points, lambda turns, reach: (turns < 0.0) & (turns >= -SHALLOW * reach), least=4)
-
-
-def _without_corners(points: np.ndarray, is_left_out: Callable[[np.ndarray, np.ndarray], np.ndarray], least: int = 2) -> np.ndarray:
-    """The profile (n, 2) without some corners. is_left_out: mask (n,) from their turns, and from the longer edge times the size, m2.
-
-    least: number of corners that are always left.
-    """
-    size = np.ptp(points, axis=0).max()
-    while len(points) > least:
-        arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-        mask = is_left_out(_turns(points), size * np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T)))
-        if not mask.any():
+    """The profile (n, 2) without inward corners that lie nearly on an edge between two others; at least four corners are left."""
+    count, kept, size = len(points), np.arange(len(points)), np.ptp(points, axis=0).max()
+    while len(kept) > 4:
+        for corner in np.flatnonzero(_turns(points[kept]) < 0.0).tolist():
+            start, end = kept[corner - 1], kept[(corner + 1) % len(kept)]
+            edge, filled = points[end] - points[start], np.arange(start + 1, end if end > start else end + count) % count
+            arms = (
+                points[filled] - points[start]
+            )  # also of the corners that were left out here before: a curve must not be filled bit by bit
+            if np.abs(edge[0] * arms[:, 1] - edge[1] * arms[:, 0]).max() <= SHALLOW * size * np.hypot(*edge):
+                kept = np.delete(kept, corner)
+                break
+        else:
             break
-        # One corner is removed at a time, because its neighbours must then be tested again.
-        points = np.delete(points, int(np.argmax(mask)), axis=0)
-    return points
+    return points[kept]
 
 
 def _turns(points: np.ndarray) -> np.ndarray:

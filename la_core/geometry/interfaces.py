@@ -83,7 +83,6 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
 
     tolerance: (I,), largest distance between such interfaces, m. Only compound blocks have them, because their parts divide their faces.
     """
-    offset = np.sum(found.polygon[found.polygon_start[:-1]] * found.normal, axis=1)
     groups: dict[tuple[int, int], list[int]] = {}
     for k, pair in enumerate(zip(found.block_a.tolist(), found.block_b.tolist(), strict=True)):
         groups.setdefault(pair, []).append(k)
@@ -94,7 +93,8 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
         while left:
             k = left.pop(0)
             near = np.array(left, dtype=int)
-            level = (np.abs(offset[near] - offset[k]) <= tolerance[k]) & (found.normal[near] @ found.normal[k] > 1.0 - OPPOSITE**2)
+            level = np.array([_farthest(found, k, i) for i in left]) <= tolerance[k] if len(near) else near
+            level = level & (found.normal[near] @ found.normal[k] > 1.0 - OPPOSITE**2)
             side_by_side = [k, *near[level].tolist()] if len(near) else [k]
             corners = [found.polygon[found.polygon_start[i] : found.polygon_start[i + 1]] for i in side_by_side]
             loop, joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else (corners[0], [])
@@ -107,6 +107,12 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     start = np.concatenate([[0], np.cumsum(counts)])
     area = polygon_areas(polygon, start, found.normal[rows])
     return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
+
+
+def _farthest(found: Interfaces, plane: int, other: int) -> float:
+    """Largest distance of the corners of one interface from the plane of another, m."""
+    corners = found.polygon[found.polygon_start[other] : found.polygon_start[other + 1]]
+    return float(np.abs((corners - found.polygon[found.polygon_start[plane]]) @ found.normal[plane]).max())
 
 
 def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, list[int]]:

@@ -49,7 +49,7 @@ def _figure(parameter: str, group: list[SweepRows]) -> Figure:
         shared_axes.span(value, values)
         count.set_ylim(bottom=0.0)
         count.yaxis.set_major_locator(MaxNLocator(integer=True))
-        value.set_ylabel(quantity(sweep.rows[0].get("unit")), fontsize=8)
+        value.set_ylabel(quantity(next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)), fontsize=8)
         count.set_ylabel("programmes solved", fontsize=8)
         for place in (value, count):
             scale.label(place)
