@@ -26,8 +26,13 @@ def sweep_of(row: Row) -> str:
     return str(row.get("sweep") or row.get("scene"))
 
 
+def units_of(rows: Iterable[Row]) -> list[str]:
+    """Return the distinct units of the rows' values in order of the rows; a failed case has none."""
+    return list(dict.fromkeys(row["unit"] for row in rows if row.get("unit") is not None))
+
+
 def over_weight(row: Row, name: str) -> float | None:
-    """Return a reaction of the row over the weight of the free blocks, or the multiplier itself; None where undefined.
+    """Return a reaction of the row over the weight of the free blocks, or the multiplier; 0 for round-off, None where undefined.
 
     name: column of the reaction. The ratio of a moment has the unit m.
     """

@@ -10,9 +10,7 @@ import numpy as np
 
 FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
 AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
-SHALLOW = (
-    3e-6  # of the size: shallower dents are filled. Faces touch within 1e-5 of it, so a neighbour would touch the cut behind a dent, too
-)
+SHALLOW = 3e-6  # of the size: shallower dents are filled. A neighbour, which touches within 1e-5, would touch the cut behind them, too.
 INDIVISIBLE = "the profile cannot be divided into convex parts; correct its corners, or state their error by [geometry] tolerance"
 MOST_AT_A_TIME = 1_000_000  # rays times edges that are computed together, to save memory
 
@@ -62,9 +60,7 @@ def _without_shallow_dents(points: np.ndarray) -> np.ndarray:
         for corner in np.flatnonzero(_turns(points[kept]) < 0.0).tolist():
             start, end = kept[corner - 1], kept[(corner + 1) % len(kept)]
             edge, filled = points[end] - points[start], np.arange(start + 1, end if end > start else end + count) % count
-            arms = (
-                points[filled] - points[start]
-            )  # also of the corners that were left out here before: a curve must not be filled bit by bit
+            arms = points[filled] - points[start]  # also of corners left out before, or a curve would be filled bit by bit
             if np.abs(edge[0] * arms[:, 1] - edge[1] * arms[:, 0]).max() <= SHALLOW * size * np.hypot(*edge):
                 kept = np.delete(kept, corner)
                 break

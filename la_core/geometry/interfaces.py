@@ -92,10 +92,7 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
         left = list(members)
         while left:
             k = left.pop(0)
-            near = np.array(left, dtype=int)
-            level = np.array([_farthest(found, k, i) for i in left]) <= tolerance[k] if len(near) else near
-            level = level & (found.normal[near] @ found.normal[k] > 1.0 - OPPOSITE**2)
-            side_by_side = [k, *near[level].tolist()] if len(near) else [k]
+            side_by_side = [k, *(i for i in left if _is_on_plane_of(found, k, i, tolerance[k]))]
             corners = [found.polygon[found.polygon_start[i] : found.polygon_start[i + 1]] for i in side_by_side]
             loop, joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else (corners[0], [])
             loops.append(loop)
@@ -109,10 +106,14 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
 
 
-def _farthest(found: Interfaces, plane: int, other: int) -> float:
-    """Largest distance of the corners of one interface from the plane of another, m."""
+def _is_on_plane_of(found: Interfaces, one: int, other: int, tolerance: float) -> bool:
+    """Whether the corners of the other interface lie on the plane of one, within a tolerance, m, and both have one direction.
+
+    Offsets of the planes are not compared: far from the origin those of nearly parallel planes differ.
+    """
     corners = found.polygon[found.polygon_start[other] : found.polygon_start[other + 1]]
-    return float(np.abs((corners - found.polygon[found.polygon_start[plane]]) @ found.normal[plane]).max())
+    distance = np.abs((corners - found.polygon[found.polygon_start[one]]) @ found.normal[one]).max()
+    return bool(distance <= tolerance and found.normal[other] @ found.normal[one] > 1.0 - OPPOSITE**2)
 
 
 def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, list[int]]:

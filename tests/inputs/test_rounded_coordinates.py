@@ -34,7 +34,7 @@ def test_a_deeper_dent_is_cut() -> None:
 
 
 def sloping_wall(seed: int, decimals: int) -> Scene:
-    """A wall whose beds slope. Every outline has the corners of its neighbours, in mm with this number of decimals, as a CAD program."""
+    """A wall whose beds slope. Every outline has the corners of its neighbours, in mm with this number of decimals."""
     random = np.random.default_rng(seed)
     left, right = (np.cumsum([0.0, *random.uniform(0.2, 0.4, 4)]) for _ in range(2))
     stones: list[Corners] = []

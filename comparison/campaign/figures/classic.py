@@ -11,7 +11,7 @@ from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import SERIES, Scale, series_style, shade
 from comparison.campaign.parameter_labels import CLASSIC, quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines
-from comparison.campaign.row_values import Row, over_weight
+from comparison.campaign.row_values import Row, over_weight, units_of
 from comparison.figures import INK, LIMIT_ANALYSIS
 from la_core.text_table import exists
 
@@ -49,7 +49,7 @@ def _figure(parameter: str, group: list[SweepRows]) -> Figure:
         shared_axes.span(value, values)
         count.set_ylim(bottom=0.0)
         count.yaxis.set_major_locator(MaxNLocator(integer=True))
-        value.set_ylabel(quantity(next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)), fontsize=8)
+        value.set_ylabel(quantity(next(iter(units_of(sweep.rows)), None)), fontsize=8)
         count.set_ylabel("programmes solved", fontsize=8)
         for place in (value, count):
             scale.label(place)

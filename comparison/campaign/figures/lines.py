@@ -16,7 +16,7 @@ from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import OUTSIDE, SERIES, Scale, series_style, shade
 from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines, longest, slices
-from comparison.campaign.row_values import LIMIT, Row, bounds, interval, mechanism_name, of_mechanism, over_weight, prediction
+from comparison.campaign.row_values import LIMIT, Row, bounds, interval, mechanism_name, of_mechanism, over_weight, prediction, units_of
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
 from la_core.text_table import exists
 
@@ -60,9 +60,9 @@ def participation_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
 
 
 def _by_unit(sweep: SweepRows) -> list[SweepRows]:
-    """Return the sweep in parts whose values have one unit: a force over W and a moment over W share no axis. A failed case has no unit."""
-    units = list(dict.fromkeys(row["unit"] for row in sweep.rows if row.get("unit") is not None))
-    return [replace(sweep, rows=[row for row in sweep.rows if row.get("unit") in (None, unit)]) for unit in units] or [sweep]
+    """Return the sweep in parts whose values have one unit: a force over W and a moment over W share no axis. Failed cases are in all."""
+    parts = [replace(sweep, rows=[row for row in sweep.rows if row.get("unit") in (None, unit)]) for unit in units_of(sweep.rows)]
+    return parts or [sweep]
 
 
 def _has_reaction(row: Row) -> bool:
@@ -105,8 +105,7 @@ def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, wo
         draw(place, scale, [(line, drawn.index(line.words), len(drawn)) for line in chosen])
         scale.label(place)
         place.set_title(textwrap.fill(sweep.title, TITLE_WIDTH), fontsize=9, parse_math=False)
-        unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a failed case has no unit
-        place.set_ylabel(words or quantity(unit), fontsize=8)
+        place.set_ylabel(words or quantity(next(iter(units_of(sweep.rows)), None)), fontsize=8)
     shown = [line for sweep in group for line in lines(sweep, parameter) if line.words in drawn]
     shared_axes.legend(figure, [*_method_handles(shown, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
     series = f"{len(drawn)} of {len(names)} series are drawn." if len(drawn) < len(names) else ""

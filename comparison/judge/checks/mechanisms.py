@@ -28,6 +28,9 @@ BOUNDS_LEFT = (
     "Work with the bounds and YADE's value. Where a support settles, a thrust ([yade] wedging) may hold the blocks in limit analysis."
 )
 
+EXCLUDED = "Joints slide in YADE, but the scene excludes sliding in limit analysis."
+DILATES = "Sliding joints dilate in the associated mechanism and not in YADE."
+
 
 def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, is_alone: bool) -> Iterator[Check]:
     """Yield the checks of similarity and of the moving blocks.
@@ -84,9 +87,9 @@ def _mass_in_one_only(results: Results, predicted: np.ndarray, moves: list[np.nd
 def _otherwise(results: Results, twists: np.ndarray, determined: bool, is_alone: bool) -> tuple[Verdict, str]:
     """Return the verdict on mechanisms that differ, and the reason."""
     if is_alone and results.analysis.assembly.effects.friction == "none-slides":
-        return Verdict.INCONCLUSIVE, " Joints slide in YADE, but the scene excludes sliding in limit analysis."
+        return Verdict.INCONCLUSIVE, f" {EXCLUDED}"
     if is_alone:
-        return Verdict.INCONCLUSIVE, " Sliding joints dilate in the associated mechanism and not in YADE."
+        return Verdict.INCONCLUSIVE, f" {DILATES}"
     if not determined:
         return Verdict.INCONCLUSIVE, " Where joints slide without dilatancy, the mechanism need not be unique."
     if _is_collapse_mechanism(results, twists):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.judge.checks import next_steps
-from comparison.judge.checks.mechanisms import ADMISSIBLE, BOUNDS_LEFT
+from comparison.judge.checks.mechanisms import ADMISSIBLE, BOUNDS_LEFT, DILATES, EXCLUDED
 from comparison.judge.checks.tolerances import stated_uncertainty
 from comparison.numbers import format_number
 from comparison.yade import Results
@@ -116,8 +116,8 @@ def _release(coulomb: CoulombSolution, assembly: Assembly) -> Release | None:
 def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution | None) -> tuple[str, str]:
     """Return the reason why the associated answer is no prediction for sliding joints, and the next step. friction: modelled effect."""
     if friction == "none-slides":
-        return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY[drive]}", next_steps.MODEL_SLIDING
-    dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY[drive]}"
+        return f"{EXCLUDED} {BOUND_ONLY[drive]}", next_steps.MODEL_SLIDING
+    dilates = f"{DILATES} {BOUND_ONLY[drive]}"
     if coulomb is not None and math.isinf(coulomb.uncertainty):
         return f"The prediction has no value: {FELL}. {dilates}", BOUNDS_LEFT
     return dilates, next_steps.FINER_PATHS if friction == "coulomb" else next_steps.MODEL_SLIDING
