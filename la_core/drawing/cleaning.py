@@ -32,7 +32,8 @@ AT_A_TIME = 200  # outlines whose pairs are counted together, to save memory
 MOST_CUT = 1.1  # over the tolerance times the perimeter of the hull: largest area of dents within the tolerance, with a margin
 ALIKE = 1e-3  # relative difference up to which two areas count as equal
 FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: least share filled by outlines of its layer and colour, or of all layers
-BUILT = ("blocks", "ground", "support")  # lists of layers whose outlines become blocks
+BUILT = ("ground", "support", "blocks")  # lists of layers whose outlines become blocks
+RANKS = ("openings", *BUILT, "ignore")  # lists of layers; of an outline drawn on layers of two lists, the one in the first list is kept
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
@@ -68,6 +69,8 @@ class Cleaned:
         Areas without an outline that lines and outlines enclose together.
     shared : tuple of SharedAreas
         Areas without an outline that idle lines of several layers or colours enclose together.
+    of_two_kinds : tuple of LayerCount
+        Outlines dropped because they are drawn twice, and the other one gives the block another role, thickness or density.
     """
 
     outlines: tuple[Outline, ...]
@@ -83,6 +86,7 @@ class Cleaned:
     edges: tuple[LayerCount, ...] = ()
     areas: tuple[LayerCount, ...] = ()
     shared: tuple[SharedAreas, ...] = ()
+    of_two_kinds: tuple[LayerCount, ...] = ()
 
     def stray(self, blocks: Sequence[Outline]) -> tuple[LayerCount, ...]:
         """Count by layer the idle lines, and the rests of other lines, that lie in blocks."""
@@ -91,7 +95,9 @@ class Cleaned:
         return by_layer(one for one, is_inside in zip((*self.idle, *self.rests), inside, strict=True) if is_inside)
 
 
-def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] = lambda _layer, _colour: "blocks") -> Cleaned:
+def cleaned(
+    drawn: Drawn, tolerance: float, list_of: Callable[..., str] = lambda *_: "blocks", values_of: Callable[..., object] = lambda *_: None
+) -> Cleaned:
     """Find all outlines of a drawing and clean them.
 
     Parameters
@@ -100,8 +106,8 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
         Content of the drawing, m.
     tolerance : float
         Largest error of the coordinates, m; 0 for none.
-    list_of : callable
-        Name of the list of a layer and colour. Only outlines in "blocks" may be contours; outlines in "ignore" fill no contour.
+    list_of, values_of : callable
+        Of a layer and colour: name of its list, and values of its blocks. Only "blocks" may be contours; "ignore" fills no contour.
 
     Raises
     ------
@@ -123,8 +129,8 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
     area = shapely.area(polygons)
     speck = area <= _speck_area(area, tolerance)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
-    double = _doubles(polygons, speck)
     lists = np.array([list_of(*outline.place) for outline in outlines])
+    double, of_two_kinds = _doubles(polygons, speck, lists, [values_of(*outline.place) for outline in outlines])
     contour = _contours(polygons, outlines, speck | double | (lists == "ignore")) & (lists == "blocks")
     around = by_layer((*found.around, *((outlines[k].layer, outlines[k].points) for k in np.flatnonzero(contour))))
     polygons, straight = _without_dents(polygons, tolerance)
@@ -137,13 +143,12 @@ def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] =
             shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
         ]
     clean = tuple(Outline(points, *outlines[k].place) for k, points in zip(order, rings, strict=True))
-    counts = int(double.sum()), flat + int(speck.sum()), loose
-    straight_ones, across = int(straight[kept].sum()), by_layer(found.across)
+    counts = int(double.sum()), flat + int(speck.sum()), loose, open_ones, int(straight[kept].sum()), around, by_layer(found.across)
     built = {place: lines for place, lines in found.idle.items() if list_of(*place) in BUILT}
     shared = shared_areas(built, found, [outlines[k].points for k in np.flatnonzero(~contour)], max(SNAP, tolerance), curves)
-    edges, areas = lost(found, drawn, [area for _, area in shared], max(SNAP, tolerance), curves)
-    lines = idle, tuple(found.rests)
-    return Cleaned(clean, *counts, open_ones, straight_ones, around, across, *lines, edges, areas, by_places(shared))
+    edges, areas = lost(found, drawn, built, [area for _, area in shared], max(SNAP, tolerance), curves)
+    roles = by_layer((outlines[k].layer, outlines[k].points) for k in np.flatnonzero(of_two_kinds))
+    return Cleaned(clean, *counts, idle, tuple(found.rests), edges, areas, by_places(shared), roles)
 
 
 def _found(drawn: Drawn, snap: float, curves: Curves) -> Found:
@@ -205,7 +210,8 @@ def _with_area(outlines: Sequence[Outline], tolerance: float) -> tuple[list[Outl
     area[crossed] = shapely.area(shapely.make_valid(polygons[crossed]))  # both loops of a figure of eight count
     flat = crossed & (area <= _speck_area(area, tolerance))
     if (crossed & ~flat).any():
-        where = _place(outlines[int(np.argmax(crossed & ~flat))])
+        first = outlines[int(np.argmax(crossed & ~flat))]
+        where = f'layer "{first.layer}", near {place_text(first.points.mean(axis=0).tolist())}'
         raise ValueError(f"{where}: the outline crosses itself; correct it, or list its layer in `ignore`")
     return [outline for outline, is_flat in zip(outlines, flat, strict=True) if not is_flat], polygons[~flat], int(flat.sum())
 
@@ -251,19 +257,25 @@ def _refuse_a_heap(polygons: np.ndarray) -> None:
             )
 
 
-def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
-    """Mask of the polygons that share most of their area with a larger one, or with an earlier one of the same area."""
-    double = np.zeros(len(polygons), dtype=bool)
+def _doubles(polygons: np.ndarray, left_out: np.ndarray, lists: np.ndarray, values: Sequence[object]) -> tuple[np.ndarray, np.ndarray]:
+    """Mask of the polygons that share most of their area with another one, which is kept, and of those whose list or values differ from it.
+
+    The polygon in the first of the lists RANKS is kept; in the same list the larger one, and of equal areas the earlier one.
+    """
+    double, of_two_kinds = np.zeros((2, len(polygons)), dtype=bool)
     centre, size = shapely.get_coordinates(shapely.centroid(polygons)), np.sqrt(shapely.area(polygons))
     near = scipy.spatial.cKDTree(centre).query_pairs(float(size.max()) * (1.0 - DOUBLE), output_type="ndarray")
-    near = near[~left_out[near].any(axis=1)]
+    near = np.sort(near[~left_out[near].any(axis=1)], axis=1)
     near = near[np.hypot(*(centre[near[:, 0]] - centre[near[:, 1]]).T) <= (1.0 - DOUBLE) * size[near].min(axis=1)]
     shared = shapely.area(shapely.intersection(polygons[near[:, 0]], polygons[near[:, 1]]))
-    whole = shapely.area(polygons)[near].max(axis=1)
-    twice = np.sort(near[shared >= DOUBLE * whole], axis=1)
-    area = shapely.area(polygons)[twice]
-    double[np.where(area[:, 1] > area[:, 0] * (1.0 + ALIKE), twice[:, 0], twice[:, 1])] = True
-    return double
+    twice = near[shared >= DOUBLE * shapely.area(polygons)[near].max(axis=1)]
+    area, rank = shapely.area(polygons)[twice], np.array([RANKS.index(one) for one in lists])[twice]
+    is_larger = (area[:, 1] > area[:, 0] * (1.0 + ALIKE)) & (rank[:, 0] == rank[:, 1])
+    dropped = np.where(is_larger | (rank[:, 1] < rank[:, 0]), twice[:, 0], twice[:, 1])
+    double[dropped] = True
+    differs = np.array([lists[i] != lists[j] or values[i] != values[j] for i, j in twice], dtype=bool)
+    of_two_kinds[dropped[np.isin(lists[twice], BUILT).all(axis=1) & differs]] = True
+    return double, of_two_kinds
 
 
 def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.ndarray) -> np.ndarray:
@@ -286,7 +298,3 @@ def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.nd
         alike = [j for j in some if outlines[j].place == outlines[k].place]
         mask[k] = any(len(these) > 1 and area[these].sum() >= share * area[k] for these, share in ((alike, FILLED), (some, FILLED_BY_ALL)))
     return mask
-
-
-def _place(outline: Outline) -> str:
-    return f'layer "{outline.layer}", near {place_text(outline.points.mean(axis=0).tolist())}'

@@ -12,6 +12,7 @@ from la_core.drawing.outlines import ALL_BUT_CLOSED, Drawn, Found, LayerCount, a
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
 LONG_REST = 0.25  # of the square root of a block's area: a shorter part of a line that ends in the block is a careless end
 LINED = 0.1  # of an area's perimeter: lines that bound this share are meant to enclose the area
+ENDED = 0.95  # of a line's length: a line that runs along areas with less of its length goes on beyond them, as a dimension does
 
 
 def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: float) -> np.ndarray:
@@ -66,6 +67,19 @@ def areas_without_outline(
     return [face for face, length in zip(some, lined, strict=True) if length >= LINED * shapely.LinearRing(face).length]
 
 
+def _of_ended_lines(
+    lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], others: Sequence[np.ndarray], snap: float, curves: Curves
+) -> list[np.ndarray]:
+    """Areas as of `areas_without_outline`, except those that a dimension, an axis or another line bounds that goes on beyond them."""
+    areas = areas_without_outline(lines, outlines, [*outlines, *others], snap, curves)
+    if not areas:
+        return []
+    share = share_near(strings_of(lines), shapely.boundary(outline_polygons(areas)), 2.0 * snap)
+    beyond = [line for line, part in zip(lines, share, strict=True) if 0.0 < part < ENDED]
+    along = _lengths_along(areas, beyond, snap) if beyond else np.zeros(len(areas))
+    return [area for area, length in zip(areas, along, strict=True) if length <= 4.0 * snap]
+
+
 def _lengths_along(areas: Sequence[np.ndarray], lines: Sequence[np.ndarray], snap: float) -> np.ndarray:
     """Length (areas,), m, of the part of the edge of each area (n, 2) that runs along lines (n, 2), to within twice `snap` (m)."""
     if not areas:
@@ -96,23 +110,32 @@ def shared_areas(
 
 
 def lost(
-    found: Found, drawn: Drawn, shared: Sequence[np.ndarray], snap: float, curves: Curves
+    found: Found,
+    drawn: Drawn,
+    built: Mapping[tuple[str, str], list[np.ndarray]],
+    shared: Sequence[np.ndarray],
+    snap: float,
+    curves: Curves,
 ) -> tuple[tuple[LayerCount, ...], tuple[LayerCount, ...]]:
     """Count by layer the lines that may be edges of stones, and the areas that may be stones, but belong to no block.
 
-    Lines and areas with another remark are left out. shared: areas (n, 2) that lines of several layers enclose; they have another remark.
+    Lines and areas with another remark are left out. built: lines that bound nothing, by layer and colour, of layers that become blocks.
+    shared: areas (n, 2) that lines of several layers enclose; they have another remark.
     """
     rings = [outline.points for outline in found.outlines]
+    around = [points for _, points in found.around]
     edges: list[tuple[str, np.ndarray]] = []
     areas: list[tuple[str, np.ndarray]] = []
     every = [line for lines in drawn.lines.values() for line in lines]
     for (layer, colour), lines in drawn.lines.items():
         alike = [outline.points for outline in found.outlines if outline.place == (layer, colour)]
-        if not alike:  # dimensions and the like lie on layers without stones
-            continue
         idle = found.idle.get((layer, colour), [])
         told = [line for line in (*idle, *(line for _, line in found.again)) if any(all_but_closed([line], layer))]
-        around = [points for _, points in found.around]
+        if not alike:  # dimensions and the like lie on layers without stones, so single lines there are no edges
+            alone = built.get((layer, colour), [])
+            here = _of_ended_lines(alone, rings, [*around, *told, *shared], snap, curves)
+            areas += [(layer, area) for area in here]
+            continue
         here = areas_without_outline(lines, [*alike, *around, *told], rings, snap, curves) if drawn.outlines else []
         meets = nearly_enclosing(idle, every, rings, snap) & ~retraced(idle, [*here, *around, *told, *shared], 2.0 * snap)
         edges += [(layer, line) for line, is_told in zip(idle, meets, strict=True) if is_told]

@@ -32,6 +32,7 @@ def remarks(
     edges: Sequence[LayerCount] = (),
     areas: Sequence[LayerCount] = (),
     shared: Sequence[SharedAreas] = (),
+    of_two_kinds: Sequence[LayerCount] = (),
 ) -> list[str]:
     """Sentences about a drawing; an empty argument yields no sentence.
 
@@ -53,9 +54,12 @@ def remarks(
         Areas that lines and outlines enclose together, and that are no blocks.
     shared : sequence of SharedAreas
         Areas that lines of several layers or colours enclose together, and that are no blocks.
+    of_two_kinds : sequence of LayerCount
+        Outlines that are drawn again on a layer with another role, thickness or density, which counts instead.
     """
     left_out = (_stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
-    told = (open_words(open_outlines), *left_out, _edge_words(edges), _area_words(areas), *map(_shared_words, shared))
+    lost = (_edge_words(edges), _area_words(areas), *map(_shared_words, shared))
+    told = (open_words(open_outlines), *left_out, *lost, _twice_words(of_two_kinds))
     return [words for words in told if words]
 
 
@@ -174,7 +178,8 @@ def _area_words(areas: Sequence[LayerCount]) -> str:
     if not areas:
         return ""
     are, block = ("is", "is no block") if _is_one(areas) else ("are", "are no blocks")
-    return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; close the outline of each stone"
+    hint = "close the outline of each stone; a layer without stones belongs in `ignore`"
+    return f"{_listed(areas, 'area')} {are} enclosed by lines and outlines together, but {block}; {hint}"
 
 
 def _shared_words(areas: SharedAreas) -> str:
@@ -186,6 +191,14 @@ def _shared_words(areas: SharedAreas) -> str:
         what, are, them = (f"{areas.count} areas (the first near {place}) are", "are no blocks", "they are stones")
     hint = "draw these lines on one layer and in one colour; a layer without joints belongs in `ignore`"
     return f"{what} enclosed by lines of {whose} together, but {are}; where {them}, {hint}"
+
+
+def _twice_words(outlines: Sequence[LayerCount]) -> str:
+    if not outlines:
+        return ""
+    again, do = ("is drawn again on a layer", "does") if _is_one(outlines) else ("are drawn again on layers", "do")
+    hint = "`ground` counts before `support`, and both before `blocks`; draw each stone on one layer"
+    return f"{_listed(outlines, 'outline')} {again} of another role, thickness or density, and {do} not count: {hint}"
 
 
 def _is_one(some: Sequence[LayerCount]) -> bool:

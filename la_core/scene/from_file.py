@@ -165,7 +165,7 @@ def _doubt(clean: Cleaned) -> str:
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     """Comments on open outlines, on lines and outlines that are left out, and on entities that the drawing hides or does not hold."""
     left_out = clean.stray(blocks), clean.around, clean.across
-    told = remarks(clean.open_outlines, *left_out, edges=clean.edges, areas=clean.areas, shared=clean.shared)
+    told = remarks(clean.open_outlines, *left_out, (), clean.edges, clean.areas, clean.shared, clean.of_two_kinds)
     return [f"# CHECK: {words}" for words in (*told, *unseen_words(drawn.ignored))]
 
 

@@ -212,6 +212,55 @@ def test_lines_of_two_layers_without_a_lost_stone_are_not_told(layers: str, keys
     assert not [words for words in told(scene_of(tmp_path, BELOW, ground=GROUND + layers, keys=keys)) if "together" in words]
 
 
+KEYSTONE = {  # lines that enclose it together with the stones below or beside it
+    "on one": line((0, 1), (0.2, 2)) + line((0.2, 2), (1.3, 2)) + line((1.3, 2), (1.5, 1)),
+    "between two": line((1.5, 1), (3, 1)) + line((1.5, 0), (3, 0)),
+}
+
+
+@pytest.mark.parametrize(
+    ("lines", "place"), [(KEYSTONE["on one"], "(0.75, 1.5)"), (KEYSTONE["between two"], "(2.25, 0.5)")], ids=list(KEYSTONE)
+)
+def test_a_stone_of_lines_on_a_layer_of_its_own_is_told(lines: str, place: str, tmp_path: Path) -> None:
+    stones, key = box(0, 0, 1.5, 1) + box(3, 0, 4.5, 1), on_layers(key=lines)
+    (words,) = told(scene_of(tmp_path, stones, ground=GROUND + key))
+    assert f'1 area on layer "key" (the first near {place} m) is enclosed by lines and outlines together' in words and "`ignore`" in words
+    assert 'on layer "key"' in scene_from_file(tmp_path / "wall.svg", tmp_path)
+    assert not told(scene_of(tmp_path, stones, ground=GROUND + key, keys='ignore = ["key"]\n'))
+    assert not told(scene_of(tmp_path, stones, ground=GROUND + key, keys='blocks = ["b"]\n'))
+
+
+HATCH = on_layers(hatch=box(-0.01, 1, 2, 2))  # a little larger than the stone
+
+
+@pytest.mark.parametrize("hatch_first", [False, True])
+def test_a_stone_is_kept_though_a_layer_that_no_list_names_has_it_too(hatch_first: bool, tmp_path: Path) -> None:
+    """The hatch replaced the stone where it was drawn first or was larger, and then was left out itself."""
+    stone = on_layers(stone=box(0, 1, 2, 2))
+    both = HATCH + stone if hatch_first else stone + HATCH
+    scene = scene_of(tmp_path, "", ground=GROUND + both, keys='blocks = ["stone"]\n')
+    assert scene.blocks.volume[scene.blocks.free] == pytest.approx([2.0 * THICKNESS]) and not told(scene)
+
+
+@pytest.mark.parametrize("pad_first", [False, True])
+def test_an_outline_on_layers_of_two_lists_has_the_role_of_the_first_list_and_is_told(pad_first: bool, tmp_path: Path) -> None:
+    pad, stones = on_layers(ground=box(0, 0.5, 1, 1)), on_layers(stones=box(0, 0.5, 1, 1) + box(0, 1, 1, 2))
+    scene = scene_of(tmp_path, "", ground=pad + stones if pad_first else stones + pad)
+    (words,) = told(scene)
+    assert '1 outline on layer "stones" (the first near (0.5, 0.75) m) is drawn again on a layer of another role' in words
+    assert sorted(scene.blocks.free.tolist()) == [False, True]
+
+
+@pytest.mark.parametrize("granite_first", [False, True])
+def test_a_stone_drawn_again_on_a_layer_of_another_density_is_told(granite_first: bool, tmp_path: Path) -> None:
+    stones, granite = on_layers(stones=box(0, 0.5, 1, 1) + box(0, 1, 1, 2)), on_layers(granite=box(0, 1, 1, 2))
+    both = GROUND + (granite + stones if granite_first else stones + granite)
+    (words,) = told(scene_of(tmp_path, "", ground=both, keys="density_of = { granite = 2700.0 }\n"))
+    layer = "stones" if granite_first else "granite"
+    assert f'1 outline on layer "{layer}" (the first near (0.5, 1.5) m) is drawn again on a layer of another role, thickness or' in words
+    assert not told(scene_of(tmp_path, "", ground=both))
+
+
 def outline_of(document: ezdxf.document.Drawing) -> shapely.Polygon:
     document.header["$INSUNITS"] = 6
     text = io.StringIO()

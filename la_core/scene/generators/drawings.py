@@ -74,6 +74,8 @@ class DrawnBlocks:
         Areas that lines and outlines enclose together, and that are no blocks.
     shared_areas : tuple of SharedAreas
         Areas that lines of several layers or colours enclose together, and that are no blocks.
+    of_two_kinds : tuple of LayerCount
+        Outlines that are drawn again on a layer with another role, thickness or density, which counts instead.
     """
 
     file: str
@@ -95,6 +97,7 @@ class DrawnBlocks:
     loose_edges: tuple[LayerCount, ...] = ()
     areas_without_block: tuple[LayerCount, ...] = ()
     shared_areas: tuple[SharedAreas, ...] = ()
+    of_two_kinds: tuple[LayerCount, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The record as plain values."""
@@ -103,7 +106,8 @@ class DrawnBlocks:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about outlines and lines that may be misread, see `remarks`, and about stones that are not read or are elsewhere."""
         left_out = (self.stray_lines, self.around, self.across, self.covered)
-        told = remarks(self.open_outlines, *left_out, self.loose_edges, self.areas_without_block, self.shared_areas)
+        lost = (self.loose_edges, self.areas_without_block, self.shared_areas)
+        told = remarks(self.open_outlines, *left_out, *lost, self.of_two_kinds)
         return tuple(f'drawing "{self.file}": {words}.' for words in (*told, *lacking_words(self.ignored)))
 
 
@@ -150,7 +154,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
     stray = clean.stray([outline for outline, _ in built])
     left_out = (_shifted(some, table) for some in (clean.open_outlines, stray, clean.around, clean.across, covered))
-    lost = (_shifted(some, table) for some in (clean.edges, clean.areas, clean.shared))
+    lost = (_shifted(some, table) for some in (clean.edges, clean.areas, clean.shared, clean.of_two_kinds))
     found: tuple[Any, ...] = (table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, *left_out, drawn.ignored, *lost)
     return shapes, DrawnBlocks(*found)
 
@@ -163,7 +167,8 @@ def _read(table: Drawing, file: MeshFile, tolerance: float) -> tuple[Drawn, Clea
     try:
         drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta, table.scale)
         _refuse_unmatched(table, drawn.places)
-        return drawn, cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _list_of(table, place))
+        stones = drawn.without(lambda *place: _names(table.ignore, place))
+        return drawn, cleaned(stones, tolerance, lambda *place: _list_of(table, place), lambda *place: _values_of(table, place))
     except ValueError as error:
         raise SceneError(_at(table), str(error)) from error
 
@@ -265,7 +270,7 @@ def _polygons(outlines: list[Outline]) -> np.ndarray:
 
 def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedShape:
     place = outline.place
-    thickness, density = _own(table.thickness_of, place, table.thickness), _own(table.density_of, place, table.density)
+    thickness, density = _values_of(table, place)
     profile = outline.points + np.array(table.shift)
     name = f"{table.name} {number}"
     x, z = profile.mean(axis=0)
@@ -280,6 +285,11 @@ def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedSha
         raise SceneError(where, str(error)) from error
     groups = (f"{LAYER}{outline.layer}", f"{COLOUR}{outline.colour}")
     return NamedShape(name, role, density, shape, joint=table.joints, groups=groups)
+
+
+def _values_of(table: Drawing, place: tuple[str, str]) -> tuple[float, float | None]:
+    """Thickness (m) and density (kg/m3, None for the scene's) of the blocks of a place in the drawing."""
+    return _own(table.thickness_of, place, table.thickness), _own(table.density_of, place, table.density)
 
 
 def _own(values: dict[str, float], place: tuple[str, str], common: float | None) -> Any:
