@@ -100,9 +100,13 @@ def seconds_or_none(where: str, value: Any) -> float | None:
     if value is None:
         return None
     is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
-    if not is_number or not 0.0 < value <= sys.float_info.max:
+    try:
+        seconds = float(value) if is_number else math.nan
+    except OverflowError:
+        seconds = math.inf
+    if not 0.0 < seconds < math.inf:
         raise SceneError(where, "must be a positive number of seconds, or None", value=value)
-    return float(value)
+    return seconds
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:

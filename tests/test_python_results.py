@@ -9,9 +9,11 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from figure_scenes import synthetic_run
 from PIL import Image
@@ -25,6 +27,7 @@ from comparison.studies import whole_studies
 from comparison.studies.cost_limit_analysis import limit_analysis_methods
 from comparison.verdict import Check, Checks
 from comparison.yade import Results
+from la_core.errors import seconds_or_none
 from la_core.exchange.checksummed_file import ExchangeError
 
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
@@ -195,6 +198,11 @@ def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> N
         with pytest.raises(ExchangeError, match="holds no results"):
             comparison.read(folder)
     assert list(tmp_path.iterdir()) == [of_another]
+
+
+@pytest.mark.parametrize("seconds", [60, np.float32(60.0), np.longdouble(60.0), Fraction(120, 2)])
+def test_a_time_limit_is_a_number_of_any_kind(seconds: float) -> None:
+    assert seconds_or_none("time_limit", seconds) == 60.0
 
 
 @pytest.mark.parametrize("seconds", [-1, 0.0, math.nan, math.inf, 10**400, pytest.param(10**5000, id="thousands of digits")])

@@ -89,7 +89,14 @@ def test_an_entry_of_an_array_cannot_be_deleted() -> None:
         la_core.variant("two_pads", {"block[2]": None})
 
 
+@pytest.mark.parametrize("number", [np.longdouble, np.float16, np.float32, lambda value: np.array(value, dtype=np.longdouble)])
+def test_a_number_of_any_precision_is_a_number_of_a_scene(number: Callable[[float], Any]) -> None:
+    assert la_core.variant("two_pads", {"joint.friction": number(0.375)}).friction == 0.375
+
+
 def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction: a c\w+ has no place in a scene; give a number"):
+        la_core.build({"joint": {"friction": np.clongdouble(0.6)}})
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
         la_core.build({"joint": {"friction": None}})
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a Decimal has no place in a scene; give a number"):

@@ -96,8 +96,10 @@ def run_cases(
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
         ran_before = None if waiting else _engine_of_stored(campaign.folder)
-        for name in REPORTS if waiting else ():  # a report must not be older than the tables beside it, however this run ends
-            (campaign.folder / name).unlink(missing_ok=True)
+        if waiting:  # neither reports nor tables may be those of cases that run again now, however this run ends
+            for name in REPORTS:
+                (campaign.folder / name).unlink(missing_ok=True)
+            table.write_campaign(gather(campaign, outcomes, engine.name, began), campaign.parquet)
         with _tables(campaign, outcomes, lambda: ran_before or engine.name, began, conclude) as write:
             if waiting:
                 with engine:

@@ -10,7 +10,7 @@ import numpy as np
 import comparison
 import la_core
 
-radius, thickness, voussoirs = 2.0, 0.3, 12
+radius, thickness, voussoirs = 2.0, 0.3, 12  # an even number: the cut at the crown is a joint
 changes = {"title": "Semicircular arch of 12 voussoirs, right springing spreads", "arch[0].voussoirs": voussoirs}
 scene = la_core.variant(la_core.load("arch_spreading"), changes, "arch_of_12")
 comparison.draw(scene).save("arch-structure.png")

@@ -220,7 +220,7 @@ def _drawn(
 def _bezier(corners: np.ndarray, sagitta: float) -> list[np.ndarray]:
     """Points of a Bézier curve of degree 2 or 3 after its first one. The second difference of its control points bounds the sagitta."""
     degree = len(corners) - 1
-    bend = np.abs(np.diff(corners, 2, axis=0)).max()
+    bend = np.hypot(*np.diff(corners, 2, axis=0).T).max()
     count = math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * sagitta))) if sagitta > 0.0 and np.isfinite(bend) else 1
     share = np.linspace(0.0, 1.0, min(MOST_CHORDS, max(1, count)) + 1)[1:, None]
     weights = [math.comb(degree, k) * share**k * (1.0 - share) ** (degree - k) for k in range(degree + 1)]

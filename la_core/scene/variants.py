@@ -238,7 +238,9 @@ def _plain(value: Any, key: str) -> Any:
     """A value in the types of TOML; raises SceneError for a value that TOML cannot express."""
     if len(re.findall(r"[.\[]", key)) > DEEPEST:
         raise SceneError(re.split(r"[.\[]", key)[0], f"must be at most {DEEPEST} tables and arrays deep; it may contain itself")
-    if isinstance(value, np.ndarray | np.generic):
+    if isinstance(value, np.floating):  # `tolist` gives no Python number for np.longdouble
+        return float(value)
+    if isinstance(value, np.ndarray | np.generic) and not isinstance(value, np.complexfloating):
         return _plain(value.tolist(), key)
     if isinstance(value, Mapping):
         return {str(name): _plain(item, f"{key}.{name}".removeprefix(".")) for name, item in value.items()}

@@ -222,6 +222,17 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
 
+def test_no_table_of_an_earlier_run_outlives_the_start_of_cases_that_run_again(tmp_path: Path, plain_figures: None) -> None:
+    """A kill or a power cut left the results of the earlier scene, which looked complete."""
+    out = tmp_path / "out"
+    run(QUICK, out)
+    for result in out.glob("cases/*/*/comparison.json"):
+        result.unlink()
+    left: list[int] = []
+    run(QUICK, out, Inline(lambda _: left.append(len(table.read_table(out).rows))))
+    assert left[0] == 0 and len(table.read_table(out).rows) == 4
+
+
 def test_the_report_writes_damaged_and_missing_tables_again(
     tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -281,6 +281,14 @@ def test_a_corner_that_is_rounded_within_the_sagitta_stays_sharp() -> None:
     assert len(read('<rect width="200" height="100" rx="20"/>', sagitta=0.005).outlines[0].points) == 4 * 3
 
 
+def test_chords_of_an_oblique_curve_stay_within_the_sagitta() -> None:
+    (outline,) = read('<path d="M0 0Q1000 0 1000 1000L0 1000z"/>', sagitta=1e-3).outlines
+    share = np.linspace(0.0, 1.0, 3001)
+    curve = shapely.points(1.0 - (1.0 - share) ** 2, -(share**2))  # m
+    away = shapely.distance(curve, shapely.Polygon(outline.points).exterior)
+    assert 0.5e-3 < away.max() <= 1e-3
+
+
 ONE = RECT.format(1000, 100)
 HIDING = {  # ways to hide one rectangle
     "display": f'<g display="none">{ONE}</g>',
