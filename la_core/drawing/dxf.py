@@ -125,7 +125,7 @@ def _entities(
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
     for entity in entities:
-        _refuse_too_many(next(numbers))
+        _refuse_too_many(next(numbers) + (entity.mcount if entity.dxftype() == "INSERT" else 0))
         own = _layer(entity, document)
         where = layer if own == "0" and depth else own
         if _is_hidden(entity, document, where):

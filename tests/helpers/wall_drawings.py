@@ -51,9 +51,11 @@ def insert(
     spacing: float = 0.0,
     scale: Sequence[float] = (1.0, 1.0),
     turn: float = 0.0,
+    courses: int = 1,
 ) -> str:
-    """An INSERT, repeated along x. scale: along its own x and y; turn: degrees."""
+    """An INSERT, repeated along x, and along y for several courses. scale: along its own x and y; turn: degrees."""
     many = [(70, columns), (44, spacing)] if columns > 1 else []
+    many += [(71, courses), (45, spacing)] if courses > 1 else []
     many += [(41, scale[0]), (42, scale[1]), (50, turn)] if (*scale, turn) != (1.0, 1.0, 0.0) else []
     return rows(*begun("INSERT", layer), (100, "AcDbBlockReference"), (2, name), (10, at[0]), (20, at[1]), *many)
 

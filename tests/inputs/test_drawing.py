@@ -194,7 +194,7 @@ REFUSED = {
     "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
     "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25) m: the outline crosses itself; correct it, or list'),
     "crossing far away": (dxf([polyline([(x + 45e6, z) for x, z in CROSSED], "A")]), {}, 'near (45000.5, 0.25) m: the outline'),
-    "copies of nothing": (dxf([insert("B", (0, 0), "A", 32_000, 1.0)] * 20, blocks={"B": ""}), {}, "has more than 500000 entities, copies"),
+    "copies of nothing": (dxf([insert("B", (0, 0), "A", 32_000, 1.0, courses=20)], blocks={"B": ""}), {}, "has more than 500000 entities"),
     "circle of the world": (dxf([WORLD]), {}, "holds a CIRCLE larger than 1e+12 units"),
     "insert of itself": (dxf([insert("B", (0, 0), "A")], blocks={"B": insert("B", (1, 1), "0")}), {}, 'drawing "wall.dxf": '),
 }  # fmt: skip
@@ -238,6 +238,12 @@ def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError) as error:
         scene_of(tmp_path, content, **table)
     assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_copies_of_many_inserts_count_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("la_core.drawing.dxf.MOST_ENTITIES", 1000)
+    with pytest.raises(SceneError, match="has more than 1000 entities, copies by inserts among them"):
+        scene_of(tmp_path, dxf([insert("B", (0, 0), "A", 100, 1.0)] * 20, blocks={"B": ""}))
 
 
 @pytest.mark.parametrize(("turn", "corners"), [(90.0, (0.6, 0.5)), (0.0, (1.0, 0.3))])
