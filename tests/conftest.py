@@ -60,13 +60,18 @@ settings.load_profile("few")
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark tests that start YADE, leave out tests that take hours, and share the work among processes. README.md explains it."""
+    begun: set[Any] = set()  # functions of which `make test` has a case
     for item in items:
         fixtures = set(getattr(item, "fixturenames", ()))
         if fixtures & STARTS_YADE:
             item.add_marker("yade")
         scenes = scenes_of(item) if "cross_checked" in fixtures else set()
-        if scenes - QUICK:
+        if scenes - QUICK or item.get_closest_marker("browser"):
             item.add_marker("slow")
+        if {mark.name for mark in item.iter_markers()} & {"slow_after_first", "slow", "long"} == {"slow_after_first"}:
+            if item.function in begun:  # type: ignore[attr-defined]
+                item.add_marker("slow")
+            begun.add(item.function)  # type: ignore[attr-defined]
         item.add_marker(pytest.mark.xdist_group(group_of(item, scenes) if "cross_checked" in fixtures else item.path.name))
     if "long" not in config.option.markexpr:  # `-m "not yade"` does not request the tests that take hours
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("long")])

@@ -27,6 +27,7 @@ def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float)
     assert answer.least <= answer.interval[0] + ROUND_OFF * scene.weight
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["trilith", "wall_low_friction", "ferris_tin_loi_1"])
 def test_an_answer_prints_the_table_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     main(["solve", name, "--long"])

@@ -98,6 +98,7 @@ def test_results_in_a_folder_that_cannot_be_written_are_read(
     assert {path.name: path.read_bytes() for path in result.folder.iterdir()} == before
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = comparison.run("two_pads", tmp_path, quiet=True)
@@ -147,6 +148,7 @@ def test_a_second_attempt_is_made_from_python_where_it_is_asked_for_and_called_f
     assert comparison.read(tmp_path / "pads").verdict is comparison.Verdict("unexpected" if expected == 0.2 else "expected")
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_the_mechanisms_of_the_result_and_not_those_of_a_later_one_in_its_folder(tmp_path: Path) -> None:
     first = comparison.run(la_core.variant("two_pads", {"joint.friction": 0.5}, "pads"), tmp_path, yade=False, quiet=True)
     shown = first._repr_html_()
@@ -252,6 +254,7 @@ def test_a_scene_whose_name_is_no_folders_is_not_run(name: str, tmp_path: Path) 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -> None:
     frictions = 'title = "Friction"\nyade = false\n[[sweep]]\nscene = "pads"\nvary = { "joint.friction" = [0.4, 0.6] }\n'
     (tmp_path / "friction.toml").write_text(frictions, encoding="utf-8")
@@ -276,6 +279,7 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
 
 
+@pytest.mark.slow
 def test_a_script_that_begins_a_campaign_in_processes_of_its_own_is_told_where_to_call_it(tmp_path: Path) -> None:
     """A worker process of the script's own pool loads the script."""
     begin = 'import multiprocessing as mp\nimport comparison\ncomparison.run_campaign("friction.toml", yade=False)\n'
@@ -286,6 +290,7 @@ def test_a_script_that_begins_a_campaign_in_processes_of_its_own_is_told_where_t
     assert "run_campaign: is called while a worker process loads the script; call it below `if __name__" in ended.stderr
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("call", [["script.py"], ["-m", "script"], ["-"]])
 def test_a_script_runs_a_campaign_wherever_it_comes_from(tmp_path: Path, call: list[str]) -> None:
     """Each worker once ran the script again, or looked for a file named <stdin>."""

@@ -27,6 +27,7 @@ def closed_stream() -> io.StringIO:
 LOST = {"none": lambda: None, "closed": closed_stream, "broken": _Broken}
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("stderr", LOST.values(), ids=LOST)
 def test_work_goes_on_where_standard_error_takes_no_words(
     stderr: Callable[[], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -48,6 +49,7 @@ def test_a_notebook_shows_the_narration_as_standard_error(
     assert "two_pads: limit analysis: bounds" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_results_stay_those_of_their_folder_wherever_the_program_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A script that changes its folder must not report or compare what lies under the same name elsewhere."""
     (tmp_path / "friction.toml").write_text('[[sweep]]\nscene = "two_pads"\nvary = { "joint.friction" = [0.6] }\n', encoding="utf-8")
@@ -65,6 +67,7 @@ def test_results_stay_those_of_their_folder_wherever_the_program_goes(tmp_path: 
         made["here"].report(made["there"])
 
 
+@pytest.mark.slow
 def test_variants_of_the_scene_of_a_result_find_its_meshes_wherever_the_program_goes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -197,6 +197,7 @@ def test_the_record_on_friction_has_every_wall() -> None:
     assert all(list(result.runs) == [*benchmark_friction.SETTINGS, friction_record.SMOOTH] for result in results)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("number", range(4))
 def test_predictions_of_the_record_on_friction_are_those_of_a_fresh_run(number: int) -> None:
     recorded = friction_record.read(GALLERY / friction_record.RECORD)[number]

@@ -80,6 +80,7 @@ def percent(share: float) -> str:
     return benchmark_growth.share({"outside": share}, "outside")
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("method", ["associated", "Coulomb", "all of associated", "all of Coulomb"])
 def test_what_is_timed_is_a_part_of_the_whole(method: str) -> None:
     measured = benchmark_growth.measure(method, True, 20)
@@ -148,6 +149,7 @@ def test_the_figure_names_methods_with_their_exponents_and_tells_them_apart_with
     assert len({(line.get_marker(), line.get_linestyle()) for line in lines}) == len(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_verdict_is_timed_to_its_plateau(tmp_path: Path) -> None:
     measured = benchmark_growth.yade_verdict(True, 20, tmp_path)

@@ -79,6 +79,7 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
     assert peers_limit.foreign(pads(), "scipy", TIGHT).residual > ACCEPTED
 
 
+@pytest.mark.slow
 def test_a_whole_command_says_the_same_whoever_computes_its_bounds(monkeypatch) -> None:
     """All solvers give the same bounds in the whole command. The command fails where HiGHS should compute the bounds and does not."""
     monkeypatch.setitem(peers_command.WALLS, 10, (3, 3))
@@ -155,6 +156,7 @@ def counts() -> Iterator[int]:
     yield from range(3)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("function", "limit", "reason"),
     [
@@ -175,6 +177,7 @@ def test_a_peer_that_behaves_is_heard_to_the_end() -> None:
     assert list(alone(counts, (), LAST_RESORT)) == [0, 1, 2]
 
 
+@pytest.mark.slow
 def test_a_watched_process_sees_fine_seconds_of_its_own() -> None:
     """With the system's own limit the process would read its time in ticks of milliseconds, longer than a small solve."""
     assert max(alone(ticks, (), LAST_RESORT)) < FINE

@@ -165,6 +165,7 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
     assert not set(engine.done) & set(before) and {name: finished(out)[name] for name in before} == before
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_not_there_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -68,6 +68,7 @@ def test_a_case_that_missed_its_accuracy_is_run_again_where_a_larger_time_limit_
         asked.clear()
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("damaged", ["report.html", "two_pads/case.h5", "two_pads/comparison.json", "two_pads/scene.toml"])
 def test_a_case_whose_stored_files_were_cut_short_is_made_again(damaged: str, tmp_path: Path, plain_figures: None) -> None:
     """`crosscheck report` of such a case says that it has to be run again, so the campaign must not count it as finished."""
@@ -112,6 +113,7 @@ def test_no_path_of_this_machine_is_in_a_reason(tmp_path: Path) -> None:
     assert failure("a. b/c. d", beside)["answers"]["reason"] == "a. b/c. d"
 
 
+@pytest.mark.slow
 def test_what_another_version_would_make_is_not_stored_as_this_one_s(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -137,6 +139,7 @@ def test_a_worker_that_loaded_another_version_stores_nothing(tmp_path: Path, mon
     assert not (tmp_path / "case").exists()
 
 
+@pytest.mark.slow
 def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     def with_a_run(*place: Any) -> SimpleNamespace:
         results = read_results(*place)
@@ -182,6 +185,7 @@ def test_a_case_s_folder_is_one_of_crosscheck_run(tmp_path: Path, plain_figures:
     assert "two_blocks" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_what_is_implausible_is_told_once_with_its_first_case(
     tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -222,6 +226,7 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
 
+@pytest.mark.slow
 def test_no_table_of_an_earlier_run_outlives_the_start_of_cases_that_run_again(tmp_path: Path, plain_figures: None) -> None:
     """A kill or a power cut left the results of the earlier scene, which looked complete."""
     out = tmp_path / "out"
@@ -247,6 +252,7 @@ def test_the_report_writes_damaged_and_missing_tables_again(
     capsys.readouterr()
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("ended", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_the_report_of_an_interrupted_campaign_tells_of_the_cases_that_ended_and_says_that_others_are_missing(
     ended: int, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -81,6 +81,7 @@ def test_the_classic_iteration_s_answer_is_that_of_the_sensitivity_study_and_its
         assert (row["classic_status"], row["classic_iterations"]) == (trial.status.value, trial.iterations)
 
 
+@pytest.mark.slow
 def test_tables_for_pandas_are_never_those_of_an_earlier_campaign(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
 ) -> None:

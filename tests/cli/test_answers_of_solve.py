@@ -95,6 +95,7 @@ def test_a_scene_that_misses_its_expected_value_disagrees(tmp_path: Path) -> Non
     assert main(["solve", str(path), "-q"]) == 1
 
 
+@pytest.mark.slow
 def test_a_live_load_gives_a_multiplier_and_no_yade_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "pushed.toml"
     path.write_text("""
@@ -129,6 +130,7 @@ def test_colours_and_narration_obey_the_environment(tmp_path: Path) -> None:
     assert answer.stderr == ""
 
 
+@pytest.mark.slow_after_first
 @every_shipped_scene
 def test_every_shipped_scene_reproduces_what_is_expected_of_it(name: str) -> None:
     assert main(["solve", name, "-q"]) == 0
@@ -144,6 +146,7 @@ def test_a_path_is_followed_where_it_is_asked_for(tmp_path: Path, capsys: pytest
     assert json.loads(capsys.readouterr().out)["limit_analysis"]["path"] is None
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("words", [("solve",), ("run", "--no-yade")], ids=["solve", "run"])
 def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]

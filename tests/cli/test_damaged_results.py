@@ -52,6 +52,7 @@ def test_a_scene_whose_case_is_missing_is_told_as_one_whose_case_is_damaged(copy
 LENGTHS = 50
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["case.h5", "run.h5"])
 def test_a_result_cut_at_any_length_is_never_read(name: str, copy: Path) -> None:
     path = copy / "two_pads" / name
@@ -77,6 +78,7 @@ def test_a_result_cut_at_any_length_is_never_reported_and_is_made_again(
         assert answer(copy) == answer(undisturbed)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["case.h5", "run.h5"])
 def test_a_damaged_result_is_made_again(name: str, copy: Path, undisturbed: Path, plain_figures: None) -> None:
     path = copy / "two_pads" / name
@@ -113,6 +115,7 @@ GARBAGE: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("damage", GARBAGE.values(), ids=GARBAGE)
 def test_a_comparison_that_is_garbage_is_made_again(
     damage: Callable[[bytes], bytes], copy: Path, undisturbed: Path, plain_figures: None
@@ -150,6 +153,7 @@ def test_a_half_drawn_figure_is_never_left(copy: Path, monkeypatch: pytest.Monke
     assert not figure.exists()
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["mechanisms.png", "viewer.json"])
 def test_a_damaged_drawing_is_made_again(name: str, copy: Path, undisturbed: Path) -> None:
     path = copy / "two_pads" / name

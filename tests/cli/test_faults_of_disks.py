@@ -45,6 +45,7 @@ STOPS = {
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("error", "code", "word"), STOPS.values(), ids=STOPS)
 def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
     error: BaseException,
@@ -139,6 +140,7 @@ def test_a_disk_that_fills_up_at_the_figure_of_a_study_takes_no_number_away(
     one_message(told.err, "figure.png: No space left on device")
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("option", "word"), [("-q", "errors are relative to"), ("--json", '"ladders"')])
 def test_a_disk_that_fills_up_at_the_figure_of_the_costs_takes_no_number_away(
     option: str, word: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

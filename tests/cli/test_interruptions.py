@@ -46,6 +46,7 @@ def in_yade(out: Path) -> Callable[[], bool]:
     return (out / "two_pads" / "yade.log").exists
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("stage", "delay"), [(begun, 0.0), (in_yade, 0.3)])
 def test_an_interruption_ends_yade_and_the_next_call_goes_on(
     stage: Callable[[Path], Callable[[], bool]], delay: float, undisturbed: Path, plain_figures: None, tmp_path: Path
@@ -59,6 +60,7 @@ def test_an_interruption_ends_yade_and_the_next_call_goes_on(
     assert answer(out) == answer(undisturbed)
 
 
+@pytest.mark.slow
 def test_a_report_tells_an_interrupted_run_of_yade_from_one_that_nobody_asked_for(
     plain_figures: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -143,6 +145,7 @@ def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, plain_
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
 
 
+@pytest.mark.slow
 def test_of_two_runs_in_one_folder_the_second_leaves_the_first_alone(undisturbed: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     environment, go = held_yade(tmp_path)

@@ -41,6 +41,7 @@ def test_a_shipped_scene_may_be_named_in_the_folder_of_the_shipped_ones(monkeypa
     assert shipped.find("two_pads") == shipped.place("two_pads")
 
 
+@pytest.mark.slow
 def test_a_campaign_looks_beside_itself(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = here / "studies"
     folder.mkdir()

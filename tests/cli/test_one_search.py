@@ -39,6 +39,7 @@ def from_python(name: str, folder: Path) -> None:
     comparison.run(name, folder, yade=False, quiet=True)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("run", [by_command, by_command_to_an_accuracy, from_python])
 def test_a_run_searches_interfaces_once_whether_fresh_or_cached(

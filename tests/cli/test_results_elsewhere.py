@@ -61,6 +61,7 @@ def test_results_keep_the_versions_that_made_them(results: Path) -> None:
     assert "Crosscheck 1.2.3, solver Clarabel" in page and "Provenance of this scene" in page
 
 
+@pytest.mark.slow
 def test_versions_and_dates_that_are_unknown_are_not_those_of_today(tmp_path: Path) -> None:
     """HDF5 files of version 0.2.0 state neither version nor date. The comparison beside them states the versions."""
     out = shutil.copytree(BEFORE, tmp_path / "out")

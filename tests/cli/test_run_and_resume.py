@@ -76,6 +76,7 @@ def test_a_broken_case_does_not_keep_the_others_from_the_report(
     assert "trilith" in captured.err
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
     workers: str, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]

@@ -26,6 +26,7 @@ def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.Capture
     assert all(name in printed for name in ("two_pads", "facade", "wall_third"))
 
 
+@pytest.mark.slow
 def test_the_mass_of_floors_is_no_density_of_stone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A table and a report once gave 4500 kg/m3 as the density of the blocks under a roof of 380 kg."""
     scene, results = tmp_path / "building.toml", tmp_path / "results"

@@ -57,6 +57,7 @@ def test_nothing_listens_during_a_run(tmp_path: Path) -> None:
 # --- programs -----------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     "words",
     [
@@ -96,6 +97,7 @@ def test_a_scene_s_name_is_a_name_and_no_path(tmp_path: Path, two_pads: str, cap
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_links_in_the_place_of_results_are_replaced_and_not_followed(tmp_path: Path) -> None:
     victim, out = tmp_path / "victim", tmp_path / "out"

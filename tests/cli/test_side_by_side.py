@@ -38,6 +38,7 @@ USAGE = 2
 PAIR = ("two_pads", "slab_four_corners")
 
 
+@pytest.mark.slow
 def test_scenes_side_by_side_give_what_they_give_in_turn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     results = []
     for workers, name in (("2", "beside"), ("1", "in_turn")):
@@ -50,6 +51,7 @@ def test_scenes_side_by_side_give_what_they_give_in_turn(tmp_path: Path, capsys:
         assert one["limit_analysis"]["associated"]["reaction"] == other["limit_analysis"]["associated"]["reaction"]
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_stop_ends_all_scenes_at_once_and_begins_no_other(tmp_path: Path) -> None:
     out, scenes = tmp_path / "out", [endless(tmp_path, name) for name in ("first", "second", "third")]
@@ -97,6 +99,7 @@ def test_an_error_that_cannot_come_out_of_its_worker_is_told() -> None:
     assert isinstance(error, RuntimeError) and str(error) == "UnreadableError: one and another"
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_an_error_found_during_a_run_is_said_alike_and_earlier_scenes_keep_their_report(
     workers: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -124,6 +127,7 @@ def test_a_stop_that_comes_while_an_object_ends_is_no_traceback_and_stops_the_wo
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_work_whose_workers_all_die_is_lost_in_words() -> None:
     with WorkerProcesses(dies, 1) as workers:
         workers.begin("work")
@@ -151,6 +155,7 @@ def test_a_worker_that_dies_while_it_waits_is_replaced_although_a_broken_pipe_en
         signal.signal(signal.SIGPIPE, before)
 
 
+@pytest.mark.slow
 def test_a_scene_whose_workers_all_die_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

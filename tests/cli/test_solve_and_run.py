@@ -36,6 +36,7 @@ def test_a_run_finds_what_solve_found(name: str, out: Path, analysed: list[objec
     assert compared["limit_analysis"] == answer["limit_analysis"]
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("first", [solve, lambda out, capsys, name: run(out, name)])
 @pytest.mark.parametrize("name", ["two_pads", "ferris_tin_loi_1"])
 def test_solve_finds_what_was_found_before_and_prints_the_same(

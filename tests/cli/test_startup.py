@@ -64,6 +64,7 @@ def test_the_verb_run_loads_nothing_that_draws(tmp_path: Path) -> None:
     assert not loaded & (EXTRAS | DRAWS)
 
 
+@pytest.mark.slow
 def test_what_draws_is_loaded_in_a_thread_without_extras_and_windows(tmp_path: Path) -> None:
     wait = "[thread.join() for thread in threading.enumerate() if thread is not threading.current_thread()]"
     loaded = loaded_by(f"import threading\nfrom comparison.workflow import stages\nstages._load_drawing()\n{wait}", tmp_path)

@@ -29,6 +29,7 @@ def by_shell(words: str, streams: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(["sh", "-c", line], env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("streams", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_closed_streams_take_what_is_printed(streams: str, tmp_path: Path) -> None:
     ended = by_shell(f'run two_pads --no-yade -o "{tmp_path / "out"}"', streams)
@@ -47,6 +48,7 @@ def test_work_goes_on_where_nobody_can_be_told_of_it(tmp_path: Path) -> None:
     assert ended.returncode == AGREE and "expected value met" in ended.stdout
 
 
+@pytest.mark.slow
 def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
     """Progress bars write to the terminal, too."""
     ours, theirs = os.openpty()
@@ -59,6 +61,7 @@ def test_work_goes_on_where_the_terminal_is_gone(tmp_path: Path) -> None:
     assert running.returncode == AGREE and "expected value met" in said
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("name", "value", "words"), [("MPLBACKEND", "Qt4Agg", "show two_pads -q -o pads.png"), ("OMP_NUM_THREADS", "²", "solve two_pads -q")]
 )
@@ -80,6 +83,7 @@ def test_a_style_of_matplotlib_that_is_not_utf8_is_named(tmp_path: Path) -> None
     assert f"error: {tmp_path / 'matplotlibrc'}: matplotlib cannot read" in ended.stderr and "save it in UTF-8" in ended.stderr
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("words", "code"),
     [

@@ -110,6 +110,7 @@ def test_an_animation_of_other_results_is_taken_away(animated: Path, tmp_path: P
     assert main([*command, "--no-yade"]) == 0 and not (tmp_path / "out" / "two_pads" / ANIMATION).exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plain_figures")
 def test_results_without_yade_stay_so_beside_the_record_of_an_earlier_run(
     animated: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -239,6 +239,7 @@ def test_the_command_exports_stored_results_or_a_scene(tmp_path: Path, capsys: p
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "c")]) == 2
 
 
+@pytest.mark.slow
 def test_cases_of_a_campaign_are_exported_into_folders_of_their_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -46,6 +46,7 @@ def test_a_figure_says_how_the_last_attempt_ended_and_leaves_those_before_to_the
     assert end_words(run, 2000.0) == "timeout: the time limit was reached at a settlement of 0.04 mm"
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("kind", SCENES)
 def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind], title=TITLE.replace("\\", r"\\"))

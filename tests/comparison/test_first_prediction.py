@@ -206,6 +206,7 @@ def test_the_first_answer_survives_a_second_call_a_report_and_lost_files(
     assert again["first_prediction"] == summary["first_prediction"] and len(at_start) == 3
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("text", ["{}", "no JSON", '{"left_out": 1, "associated": {}, "coulomb": null}', "[]"])
 def test_a_first_answer_that_cannot_be_read_is_made_again(
     text: str, tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]], capsys: pytest.CaptureFixture[str]

@@ -49,11 +49,13 @@ def is_the_same_in_a_users_style(make: Callable[[], object]) -> bool:
         return theirs == ours and dict(matplotlib.rcParams) == before
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["assembly", "mechanisms", "reaction", "forces", "dissipation"])
 def test_figures_of_an_answer_have_their_own_style(name: str, answer: la_core.Answer) -> None:
     assert is_the_same_in_a_users_style(lambda: drawn(lambda: answer.plot(name)))
 
 
+@pytest.mark.slow
 def test_figures_of_a_scene_and_of_studies_have_their_own_style(
     answer: la_core.Answer, study: comparison.SensitivityResult, cost: comparison.CostResult
 ) -> None:
@@ -61,10 +63,12 @@ def test_figures_of_a_scene_and_of_studies_have_their_own_style(
         assert is_the_same_in_a_users_style(lambda draw=draw: drawn(draw))
 
 
+@pytest.mark.slow
 def test_an_animation_has_its_own_style(answer: la_core.Answer, tmp_path: Path) -> None:
     assert is_the_same_in_a_users_style(lambda: comparison.animate(answer, tmp_path / "moves.gif", fps=1, quiet=True).read_bytes())
 
 
+@pytest.mark.slow
 def test_figures_of_a_campaign_have_their_own_style(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text(SWEEP, encoding="utf-8")
     folders = iter(("ours", "theirs"))
@@ -76,6 +80,7 @@ def test_figures_of_a_campaign_have_their_own_style(tmp_path: Path) -> None:
     assert is_the_same_in_a_users_style(figures)
 
 
+@pytest.mark.slow
 def test_figures_drawn_in_several_threads_leave_the_users_style(answer: la_core.Answer) -> None:
     with matplotlib.rc_context({"font.size": 22.0}):
         before = dict(matplotlib.rcParams)

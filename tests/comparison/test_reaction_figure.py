@@ -103,6 +103,7 @@ def test_the_value_after_a_release_is_a_level_where_it_is_another_one(
     assert (plot_reaction.RELEASED in keys or any("after turning blocks released" in label for label in labels)) == is_drawn
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("share", "drawn"),
     [
@@ -155,6 +156,7 @@ def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None
     assert not any(word.startswith("Coulomb prediction") for word in words)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("kind", ["plane", "live"])
 @pytest.mark.parametrize("known", [(), ("coulomb",), ("path",), ("coulomb", "path")])
 def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:

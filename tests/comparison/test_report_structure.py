@@ -36,6 +36,7 @@ def leaves(data: Any) -> Iterator[Any]:
         yield data
 
 
+@pytest.mark.slow
 def test_every_input_of_the_facade_is_in_its_report_with_units_and_the_scene_file(tmp_path: Path) -> None:
     results = Results(analyse(load_scene(find("facade"))))
     summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "verdict": None}

@@ -262,6 +262,7 @@ def test_a_long_reason_above_a_mechanism_keeps_off_the_heading(name: str) -> Non
     assert not any(one.overlaps(other) for one, other in combinations(drawn[-1], 2))
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
 @pytest.mark.parametrize("name", ["assembly", "mechanisms", "dissipation"])
 def test_a_figure_that_is_saved_again_is_the_same(name: str, suffix: str, tmp_path: Path) -> None:

@@ -44,6 +44,7 @@ def divisor(scene: Scene) -> float:
     return 1.0 if scene.live is not None else scene.weight
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize("name", [*EXACT, *PUBLISHED])
 def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
@@ -91,6 +92,7 @@ def test_rounded_edges_are_sharpened_until_they_fit_the_accuracy() -> None:
     assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["wall_third", "wall_half", "ferris_tin_loi_1"])
 def test_rounded_edges_change_the_prediction_by_no_more_than_is_told(name: str) -> None:
     """Where joints slide, the stated part is twice the change of the prediction at half the inset. YADE's error has the same part."""
@@ -119,6 +121,7 @@ def test_the_prediction_may_change_by_more_than_the_bound() -> None:
     assert abs(analysis.coulomb.value - sharp.value) <= last.error * abs(analysis.coulomb.value) + sharp.uncertainty
 
 
+@pytest.mark.slow
 def test_a_finer_answer_takes_less_viscous_paths_and_their_difference_is_the_error() -> None:
     """The default paths of the stones end on two plateaus, so that their error is unknown. Finer paths end at 0, as YADE does."""
     stones = unusual_scenes.drawn(88, 20261202).scene
@@ -144,6 +147,7 @@ def overhang() -> Scene:
     return scene_of_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"), Path("overhang.toml"), "overhang")
 
 
+@pytest.mark.slow
 def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
     """Two paths of this corner end 1 % apart. Rotations are small here, because with finite ones a third path would follow."""
     corner = la_core.variant(scenes.shipped("corner_settling_end"), {"effects.rotation": "small"})

@@ -68,6 +68,7 @@ def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> Non
     assert accuracy_settings.slower_settings(Results(slower, run_of(slower, change=0.004)), LIMIT) is None
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("uncertainty", "factor"), [(0.011, 2.0), (0.045, 0.0), (0.5, 8.0)])
 def test_a_run_that_misses_is_slower_by_as_much_as_it_misses_and_knows_its_plateau_better_by_as_much(
     uncertainty: float, factor: float
@@ -101,6 +102,7 @@ def test_a_run_that_ran_out_of_time_is_not_repeated_slower() -> None:
     assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="timeout")), LIMIT) is None
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("kept", "limit", "again"), [(False, 1.9, False), (False, 2.1, True), (True, 2.1, False)])
 def test_a_larger_time_limit_allows_the_slower_run_that_a_stored_one_needs(
     kept: bool, limit: float, again: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -171,6 +173,7 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
     assert check.verdict is Verdict.INCONCLUSIVE
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("own", "begins_with"), [({"travel_periods": 2400.0}, 2400.0), ({"speed": 1e-3}, None)])
 def test_a_second_attempt_becomes_slower_where_it_misses_the_accuracy(
     own: dict[str, float], begins_with: float | None, tmp_path: Path
@@ -209,6 +212,7 @@ def test_a_run_at_another_inset_is_another_run() -> None:
     assert stages.run_inputs("scene", coarse) != stages.run_inputs("scene", alike)
 
 
+@pytest.mark.slow
 def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
     analysis = made_up()
     run = run_of(analysis)
@@ -227,6 +231,7 @@ def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
     assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.02)), limit=1.5) is None
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["two_pads", "ferris_tin_loi_1"])
 @pytest.mark.parametrize("of_weights", [math.nan, 1e3])
 def test_an_answer_without_work_of_the_weights_has_inertia_too(name: str, of_weights: float) -> None:

@@ -33,6 +33,7 @@ def test_travel_comes_with_the_stiffness_it_needs(travel) -> None:
     assert value(small_wall(), max_travel=travel) == pytest.approx(value(small_wall()), rel=SAME)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("scale", "density"), [(1e-3, 1e-3), (1e3, 1e3), (1e3, 1e-3)])
 @pytest.mark.parametrize("name", ["wall", "turning base", "live load"])
 def test_units_do_not_matter(name, scale, density) -> None:
@@ -55,6 +56,7 @@ def test_order_of_blocks_does_not_matter(name) -> None:
     assert value(scenes.moved(scene, order=order)) == pytest.approx(unmoved(name), rel=SAME)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["wall", "crossing beams", "turning base", "live load"])
 def test_turned_structure_carries_the_same(name) -> None:
     scene = SCENES[name](plane=False)

@@ -111,6 +111,7 @@ def test_rigid_joints_have_no_prediction_where_the_bound_locks() -> None:
 # --- uncertain answers ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("effort", [1e3, 3e3])
 def test_path_that_is_cut_short_states_a_larger_uncertainty_or_no_answer(effort) -> None:
     assembly, whole = answer(great_wall(0.6, 1.2))
@@ -147,6 +148,7 @@ def test_slip_that_may_choose_between_bed_joints_does_not_touch_the_value() -> N
     assert [solution.value, *solution.interval] == pytest.approx([0.6, 0.6, 0.6], rel=UNSLIDING)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("mu", [0.05, 1.0, 3.0, 30.0])
 def test_any_friction_is_answered_or_called_inaccurate(mu) -> None:
     assembly, stiffness = problem(small_wall(friction=mu))

@@ -40,6 +40,7 @@ def test_columns_that_nothing_presses_weigh_what_they_weigh_whatever_the_frictio
     assert solution.value / assembly.weight == pytest.approx({"two_blocks": 1.0 / 2.0, "stack_bond_wall": 1.0 / 3.0}[name], abs=1e-6)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("mu", "split"), [(0.3, 1.6), (0.6, 1.6), (0.6, 1.2), (0.8, 1.2)])
 def test_stated_uncertainty_holds_against_finer_paths(mu, split) -> None:
     """The reference has a tenth of the viscosities and of the steps. All 128 walls: tests/benchmarks/benchmark_friction.py."""

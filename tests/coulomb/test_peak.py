@@ -13,6 +13,7 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.coulomb.plateau import peak_before
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("seed", "live"), [(1, ALONG), (18, ALONG), (35, ALONG), (19, OBLIQUE), (35, OBLIQUE)])
 def test_the_peak_is_that_of_a_path_with_next_to_no_drag(seed: int, live: tuple[float, float, float]) -> None:
     analysis = pushed_wall(seed, live)

@@ -87,6 +87,7 @@ def reduced(scene: Scene, layers: int) -> tuple[Assembly, Assembly]:
 # --- agreement -----------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("scene", [end_settles, middle_settles, window_beside])
 def test_setting_aside_changes_no_answer(scene) -> None:
     part, whole = analyse(scene(reach="auto")), analyse(scene(reach=False))
@@ -112,6 +113,7 @@ def test_where_no_joint_may_slide_the_answer_is_the_same_too() -> None:
     assert part.bounds[Drive.YIELDING].value == pytest.approx(whole.bounds[Drive.YIELDING].value, abs=SOLVER * whole.assembly.weight)
 
 
+@pytest.mark.slow
 def test_a_wall_far_away_is_set_aside_whole_and_leaves_the_reaction_as_it_is() -> None:
     near = scenes.wall(10, 6, split=2.8)
     far = (scenes.box("far base", (20.0, 0.0, -0.2), (24.0, 0.3, 0.0), "fixed"),)
@@ -207,6 +209,7 @@ def test_paths_that_begin_again_say_how_many_blocks_they_model(requested: bool, 
     assert all(heard.paths[count] == {1} for count in counts[:-1])  # the coarsest path shows that the answer would not hold
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("threads", ["1", "2"])
 def test_smooth_paths_side_by_side_give_up_a_region_and_find_the_same_answer(threads: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(prediction, "LARGE", 0.0)

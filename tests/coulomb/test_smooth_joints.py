@@ -88,6 +88,7 @@ def test_a_sharp_joint_remembers_the_friction_that_it_carries() -> None:
     assert np.array_equal(state.memory, state.force[:, 1:])
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("per_course", "courses", "split", "friction"),
     [(10, 6, 2.8, 0.3), (10, 6, 2.0, 0.6), pytest.param(12, 8, 3.2, 0.8, marks=pytest.mark.slow)],
@@ -109,6 +110,7 @@ def test_large_structures_state_an_uncertainty_that_holds(per_course, courses, s
     assert smooth.status is Status.SOLVED and smooth.uncertainty <= 0.01 * smooth.value
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 @pytest.mark.parametrize("live", [None, (1.0, 0.0, 0.0)], ids=["settlement", "live load"])
 def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monkeypatch) -> None:

@@ -127,6 +127,7 @@ def test_work_of_the_weights_goes_into_the_support_and_friction(name) -> None:
     assert dissipated <= float(np.sum(tangential * np.linalg.norm(slip, axis=1))) + FOUND * scale
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("threshold", [0.01, 0.03, 0.1])
 @pytest.mark.parametrize(
     ("mu", "split", "expected"), [(0.6, 1.6, (0.0613, 0.0833)), (0.6, 1.2, (0.1287, 0.1750)), (0.3, 1.6, (0.0765, 0.0833))]

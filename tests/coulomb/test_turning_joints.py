@@ -124,6 +124,7 @@ def test_finite_rotations_release_a_thrust_that_small_ones_keep() -> None:
     assert values[1] >= bound
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("number", "seed", "yade"), [*OF_YADE, pytest.param(164, FRESH_SEED, 0.01535, id="support that turns and releases nothing")]
 )
@@ -171,6 +172,7 @@ def test_the_requested_curve_is_that_of_the_joints_as_they_are() -> None:
     assert soft.value[-1] < 0.85 * analyse(RELEASES).coulomb.value  # type: ignore[union-attr]
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("number", "seed", "yade"), [(0, FRESH_SEED, 0.0660), (69, FRESH_SEED, 0.0348), (10, SEED, 0.2209)])
 def test_smooth_joints_of_large_structures_release_the_same_thrust(
     number: int, seed: int, yade: float, monkeypatch: pytest.MonkeyPatch
@@ -214,6 +216,7 @@ def test_units_mirrors_turns_and_the_order_of_blocks_do_not_matter(space: bool) 
     assert value(order=order, density=7.0, **change) == pytest.approx(value(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_what_the_order_of_blocks_decides_is_in_the_uncertainty() -> None:
     """Corners that meet lie on neither block's face. Axes that turn with one block or the other lead to levels 9 % apart, in YADE, too."""
     scene = drawn(94, SEED).scene
@@ -227,6 +230,7 @@ def test_what_the_order_of_blocks_decides_is_in_the_uncertainty() -> None:
         assert own.plateaus == pytest.approx([own.value, beside.value], rel=1e-3)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["wall_third", "stack_bond_wall", "ferris_tin_loi_1"])
 def test_scenes_without_a_locked_thrust_keep_their_answer(name: str) -> None:
     scene = scenes.shipped(name)

@@ -81,6 +81,7 @@ def test_joints_of_a_given_stiffness_turn_over_one_travel_of_the_fastest_block()
     assert 0.99 <= travels(scene, predicted(scene)) * pace(4.0) <= 1.01 * followed_path.TURNED
 
 
+@pytest.mark.slow
 def test_no_value_after_a_release_is_told_where_the_fastest_block_has_gone_too_far() -> None:
     """By the end of the first travel of the mean motion, the fastest block has gone 18 travels in one corner and 5 in the other."""
     far, near = (la_core.variant(generated_scenes.drawn(number, 20261201).scene, {"effects.rotation": "auto"}) for number in (65, 95))
@@ -97,6 +98,7 @@ def test_smooth_joints_of_large_structures_turn_as_far(monkeypatch: pytest.Monke
     assert travels(scene, coulomb) == pytest.approx((1.0 + followed_path.SHARPENED) * STIFFER / pace(4.0), rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_yade_pushes_as_far(tmp_path: Path) -> None:
     scene = tipping(4.0)
@@ -106,6 +108,7 @@ def test_yade_pushes_as_far(tmp_path: Path) -> None:
     assert run.summary["yade"]["settlement"] == pytest.approx(on_stiffer_joints, rel=0.02)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("scene", "measured"),
     [

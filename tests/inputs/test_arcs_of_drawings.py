@@ -70,6 +70,7 @@ def length_on_arc(scene: Scene, radius: float) -> float:
     return float(joints.area[here].sum() / 0.3 - 2.0 * radius) / (math.pi * radius)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("radius", [2.0, 5.0, 10.0])
 @pytest.mark.parametrize("keys", ["", "sagitta = 0.002"])
 def test_stones_on_both_sides_of_an_arc_touch_along_it(radius: float, keys: str, tmp_path: Path) -> None:

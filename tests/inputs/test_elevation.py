@@ -36,6 +36,7 @@ def is_whole(shown: dict, blocks: int) -> None:
     assert repairs["largest_move"] < 0.05
 
 
+@pytest.mark.slow
 def test_a_window_in_a_wall(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown, solved = taken_through(tmp_path / "wall.dxf", elevation(8, 14, (Window(1000.0, 600.0),)), capsys)
     is_whole(shown, 100)

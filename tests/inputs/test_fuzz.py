@@ -35,6 +35,7 @@ def test_every_reader_is_tried(readers: dict[str, Reader]) -> None:
     assert tuple(readers) == NAMES
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("numbers", [range(FEW), pytest.param(range(FEW, COUNT), marks=pytest.mark.slow)], ids=["few", "more"])

@@ -41,6 +41,7 @@ def volume_of(shape: Shape) -> float:
     return sum(float(loop[0] @ np.cross(loop[1:-1] - loop[0], loop[2:] - loop[0]).sum(axis=0)) for loop in loops) / 6.0
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", BODIES)
 def test_each_part_of_a_surface_belongs_to_one_face(name: str) -> None:
     """Narrow facets belonged to several faces: the cylinder of 144 sides was a tenth too heavy, and the cone had 1.6 times its volume."""

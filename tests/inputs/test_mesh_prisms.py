@@ -117,6 +117,7 @@ def test_a_ply_may_begin_with_a_comment() -> None:
     assert surfaces(".ply", text.encode(), "legs")[0].faces == tuple(faces)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("segments", [6, 10, 20, 30])
 def test_a_triangulated_stone_over_a_curved_opening_is_read_at_every_angle(segments: int) -> None:
     """The union of the triangles kept holes, or lost corners, at every second angle."""

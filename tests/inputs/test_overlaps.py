@@ -28,6 +28,7 @@ def flush_pairs(count: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return hulls, np.array(triangles)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("turned", [False, True])
 def test_flush_polygons_overlap_as_on_a_grid(turned: bool) -> None:
     """GEOS alone loses some of these overlaps, because it returns points. On a grid it loses none."""

@@ -235,6 +235,7 @@ def overlap_depths(names: list[str], shapes: list[Shape]) -> list[float]:
     return [depth for *_, depth, _ in overlaps(parts, pairs, np.full(len(pairs), 1e-6))]
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("tolerance", [0.0034, 0.0037, 0.0045, 0.0054, 0.007])
 def test_an_overlap_that_moving_faces_deepen_is_cut_where_it_was_drawn_within_the_tolerance(tolerance: float) -> None:
     """Faces of a row move onto one plane, away from the blocks that they met. Overlaps of 6.8 mm grew to 16 mm and were refused."""

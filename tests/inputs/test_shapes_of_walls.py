@@ -192,6 +192,7 @@ def random_wall(chance: np.random.Generator) -> dict[str, Any]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_random_walls_are_refused_for_a_reason_or_have_neither_gaps_nor_overlaps() -> None:
     """The assembly would refuse blocks that overlap or touch nothing. This would be a fault of the generator, not of the wall."""
     chance, built = np.random.default_rng(5), 0

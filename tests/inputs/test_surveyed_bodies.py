@@ -80,6 +80,7 @@ def as_typed(folder: Path, bodies: Surfaces, tolerance: str) -> Scene:
     return load_scene(folder / "typed.toml")
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("write", "seeds"), [(as_mesh, (1, 5, 6, 19, 37, 46, 64)), (as_hulls, SEEDS), (as_typed, SEEDS)])
 def test_facets_of_a_bent_face_are_one_face(write: Callable[..., Scene], seeds: tuple[int, ...], tmp_path: Path) -> None:
     """A facet of the lintel that touches no other body did not move and cut the joint beside it. Half or all of the joint was lost."""

@@ -92,6 +92,7 @@ SEMICIRCLE = {
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("thickness", SEMICIRCLE)
 def test_ring_of_many_sectors_reaches_the_closed_form(thickness) -> None:
     least, greatest, vertical = SEMICIRCLE[thickness]

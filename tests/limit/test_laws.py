@@ -99,6 +99,7 @@ def test_value_from_forces_is_value_from_work(name) -> None:
 # --- an independent solver on the static form --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("name", ["wall_third", "wall_half", "wall_long", "wall_tall", "facade"])
 def test_highs_on_the_static_form_agrees_on_shipped_scenes(name) -> None:
     scene = scenes.shipped(name)

@@ -49,6 +49,7 @@ def beside(size: float, role: str) -> Scene:
     )
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("cube", SIZES)
 def test_the_reaction_of_a_stone_beside_a_cube_is_that_of_statics(cube: float) -> None:
     """The stone turns about the inner or the outer edge of the left pad: R = W 0.04 / 0.14 and W 0.10 / 0.14."""

@@ -93,6 +93,7 @@ def test_pyramids_bracket_the_cone_on_a_corner_of_two_walls(drive: Drive) -> Non
     assert QUADRATIC[0] < (high - low) / (closer_high - closer_low) < QUADRATIC[1]
 
 
+@pytest.mark.slow_after_first
 @both_drives
 @every_sliding_scene
 def test_width_of_the_bracket_is_quadratic_in_the_facets(scene: Scene, drive: Drive) -> None:

@@ -67,6 +67,7 @@ def ends_of_ties(loading: Loading) -> list[dict[str, Any]]:
     return ends
 
 
+@pytest.mark.slow
 @given(loading=loadings())
 def test_loads_and_ties_are_in_equilibrium_with_the_contact_forces(loading: Loading) -> None:
     """solved: on every block the forces of the tables, read from them by hand, balance the contact forces"""
@@ -80,12 +81,14 @@ def test_loads_and_ties_are_in_equilibrium_with_the_contact_forces(loading: Load
         assert np.abs(kept).max() <= (RESIDUAL + ROUNDING) * assembly.mean_weight
 
 
+@pytest.mark.slow
 @given(loading=loadings(), scale=st.floats(0.01, 100.0))
 def test_values_are_linear_in_weights_and_loads_together(loading: Loading, scale: float) -> None:
     """weights, loads and ties times k: k times the reaction, the same multiplier"""
     assert_same(loading.loaded(), loading.loaded(scale), scale)
 
 
+@pytest.mark.slow
 @given(loading=loadings())
 def test_ties_are_two_forces(loading: Loading) -> None:
     """a tie is a pair of opposite point loads at its ends"""

@@ -69,6 +69,7 @@ def wall_of(per_course: int, courses: int, plane: bool = True) -> Scene:
     return scenes.build(*scenes.wall(per_course, courses, split=0.25 * per_course + 0.4), inset=0.001, plane=plane)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("plane", "sizes"), [(True, (8, 32)), (False, (8, 16))], ids=["plane", "3D"])
 def test_what_surrounds_the_solver_takes_few_calls_a_block(plane: bool, sizes: tuple[int, int], monkeypatch: pytest.MonkeyPatch) -> None:
     """The solver is also called only once for each answer."""
@@ -132,6 +133,7 @@ def unsearched(blocks: Blocks) -> Blocks:
     return replace(blocks)
 
 
+@pytest.mark.slow
 def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
     """There are four times the blocks. To compare all pairs would take sixteen times the memory, or four times the calls."""
     small, large = (wall_of(size, size) for size in (32, 64))

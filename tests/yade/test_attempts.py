@@ -88,6 +88,7 @@ QUICK, OWN, SLOW = (2.0, 4.0, 0.3, 0.0), (1.0, 4.0, 0.3, 0.0), (0.25, 4.0, 0.3, 
 CALM, CRITICAL = (2.0, 4.0, 0.3, 0.5), (2.0, 4.0, 1.0, 0.5)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("script", "expected"),
     [
@@ -146,6 +147,7 @@ SLOW_ONES, LAST = [(0.5, 0.3, 0.5), (0.25, 0.3, 0.5)], (1.0, 1.0, 0.5)
 JUMPS = [JUMPING, JUMPING, JUMPING]
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(
     ("blocks", "script", "expected"),
     [

@@ -13,6 +13,7 @@ pytestmark = pytest.mark.yade
 CORNER = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]]
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("displacement", ["small", "finite"])
 def test_a_corner_block_and_the_block_in_its_corner_settle_alike_in_both_methods(displacement: str, tmp_path: Path) -> None:
     """Together both blocks have the weight and centroid of a box. The corner's own centroid differs, and its faces lie on two levels."""

@@ -35,6 +35,7 @@ DEATHS = {
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("body", "word"), DEATHS.values(), ids=DEATHS)
 def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     body: str,
@@ -58,6 +59,7 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     assert answer(copy) == answer(undisturbed)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("command", ["run", "animate"])
 def test_a_setting_that_this_structure_refuses_is_a_matter_of_the_scene(
@@ -96,6 +98,7 @@ def test_a_yade_that_hangs_is_ended_from_outside(
     assert "SIGKILL, 0.2 s after its limit of 0.3 s" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_yade_that_hangs_while_it_loads_is_started_once_more(fake_python: Fake, copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, go = copy / "two_pads", copy / "go"
@@ -170,6 +173,7 @@ OTHER_YADES = {
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize(("config", "state", "word"), OTHER_YADES.values(), ids=OTHER_YADES)
 def test_another_yade_is_refused_in_words(
     config: str,
@@ -274,6 +278,7 @@ def test_a_yade_killed_at_any_moment_is_run_again(
     kill_and_recover(map(str, moments), dying, undisturbed, tmp_path, monkeypatch)
 
 
+@pytest.mark.slow
 def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert main(["run", "two_pads", "-o", str(out), "-q", "--time-limit", "0.01"]) == 4

@@ -64,6 +64,7 @@ def test_a_moment_is_told_about_the_origin_of_the_scene() -> None:
     assert_allclose(about_old_origin(about_new, SURVEY)[0], np.concatenate([force, np.cross(point + SURVEY, force)]))
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("settlement", [scenes.DOWN, TURNING], ids=["drop", "turn"])
 def test_both_methods_agree_far_from_the_origin(settlement: Any, tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ def test_limit_analysis_says_what_is_known(case: HardCase, tmp_path: Path) -> No
         assert max(answer[name] for name in ("equilibrium_residual", "cone_violation", "duality_gap")) <= RESIDUAL
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @of([case for case in CASES if case.yade and case.known != REFUSED], in_every_run=IN_EVERY_RUN)
 def test_no_wrong_answer_is_called_agreement(case: HardCase, tmp_path: Path) -> None:

@@ -65,6 +65,7 @@ def test_a_light_stone_that_tips_falls_in_both_methods(size: float, tmp_path: Pa
     assert found.yade is not None and found.yade.status == "collapsed"
 
 
+@pytest.mark.slow
 def test_a_light_stone_that_stands_keeps_no_run_from_rest(tmp_path: Path) -> None:
     """The measure of rest must not be too strict, either."""
     found = comparison.run(wall_with_a_cube(0.05, 0.0), tmp_path, quiet=True)

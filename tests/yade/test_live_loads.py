@@ -67,6 +67,7 @@ CLOSED_FORMS = {
 FAST = ("slides", "tips")
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("name", [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in CLOSED_FORMS])
 def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
@@ -101,6 +102,7 @@ direction = [1.0, 0.0, 0.0]
 """
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize(("breadth", "height", "friction"), [(0.28, 1.5, 0.057), (0.4, 2.6, 0.011)])
 def test_a_block_slides_on_a_tall_one_at_the_speed_that_is_set(breadth: float, height: float, friction: float, tmp_path: Path) -> None:

@@ -63,6 +63,7 @@ def test_a_tie_holds_a_block_that_leans_beyond_its_base(tmp_path: Path) -> None:
     assert (run, predicted) == (pytest.approx(expected, abs=SAME * LEANING_WEIGHT), pytest.approx(expected, abs=SAME * LEANING_WEIGHT))
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("mu", [0.2, 0.5])
 def test_a_stone_pressed_against_a_wall_slides_by_the_friction_of_that_joint(mu: float, tmp_path: Path) -> None:
@@ -94,6 +95,7 @@ def test_a_flat_arch_is_wedged_in_before_its_load_acts(tmp_path: Path) -> None:
         assert reaction == pytest.approx(expected, rel=WEDGED)
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("rod", [0.0, 0.4], ids=["free", "held by a rod"])
 def test_a_floor_is_pushed_with_the_block_that_carries_it(rod: float, tmp_path: Path) -> None:

@@ -94,6 +94,7 @@ def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked
     assert found.summary["verdict"] in ("agree", "inconclusive"), found.summary["reason"]
 
 
+@pytest.mark.slow
 def test_held_blocks_need_no_density(tmp_path: Path) -> None:
     """The mass of held blocks has no effect in either method. The reaction is that of the same scene with a density for all."""
     scene = scenes.shipped("two_pads")

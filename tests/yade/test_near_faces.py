@@ -196,6 +196,7 @@ def test_the_stop_is_among_the_faces_near_the_block(tmp_path: Path) -> None:
     assert near.gap[stop].min() == pytest.approx(GAP + found.inset - chosen.sphere_radius, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_attempts_look_for_new_contacts_from_the_first_one_on_that_meets_a_face(tmp_path: Path) -> None:
     """In a made-up run in YADE's interpreter the second attempt meets a face."""

@@ -48,12 +48,14 @@ def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
     assert f"YADE: {version} is not among the tested versions (2023.02a, 2025.2.0)" in said and "two_pads" in said
 
 
+@pytest.mark.slow
 def test_a_yade_without_polyhedra_is_told_by_the_check(altered_yade: Callable[..., None]) -> None:
     altered_yade("2025.2.0", *POLYHEDRA)
     yade = installation.find_yade()
     assert sorted(yade.lacks) == sorted(POLYHEDRA) and "without polyhedra" in yade.caution
 
 
+@pytest.mark.slow
 def test_a_name_that_a_room_of_the_scripts_needs_is_checked_too(altered_yade: Callable[..., None]) -> None:
     altered_yade("2025.2.0", "HelixEngine")
     with pytest.raises(YadeMissingError, match="lacks names that crosscheck uses: HelixEngine;"):
@@ -85,6 +87,7 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
     assert "Debian 12" in said and "Traceback" not in said
 
 
+@pytest.mark.slow
 def test_yade_leaves_no_scratch_folder_behind() -> None:
     """YADE makes a folder in the system's temporary folder when it loads. A process that ends at once would never remove it."""
     yade = installation.find_yade()

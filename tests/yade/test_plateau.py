@@ -135,6 +135,7 @@ def test_slope_alone_widens_the_uncertainty_but_not_beyond_flat_level() -> None:
     assert 0.1 * level_at_end < fit.uncertainty < level_at_end
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.9, 0.95])
 def test_uncertainty_covers_at_the_stated_rate(memory: float) -> None:
     rng = np.random.default_rng(7)

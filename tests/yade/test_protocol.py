@@ -146,6 +146,7 @@ def test_weights_leave_no_trace_of_how_they_came(tmp_path: Path) -> None:
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) -> None:
     """Stiff joints may show their plateau anywhere on the way. States at fixed distances once left a single one on it, and no mechanism."""

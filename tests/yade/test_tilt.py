@@ -46,6 +46,7 @@ CLOSED_FORMS = {  # tangent of the angle
 }
 
 
+@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("name", [n if n in ("slides", "tips") else pytest.param(n, marks=pytest.mark.slow) for n in CLOSED_FORMS])
 def test_both_methods_find_the_angle_of_the_closed_form(name: str, tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ def block_under_a_leaning_wall(lift: float) -> la_core.Scene:
     return la_core.build(tables, "lifted" if lift else "from_rest")
 
 
+@pytest.mark.slow
 def test_a_block_that_was_wedged_leaves_the_interval_that_holds_from_rest(tmp_path: Path) -> None:
     """From rest, moments about the ledge's edge give the reaction. A lift wedges the block between the walls, and it needs no support."""
     from_rest, lifted = (comparison.run(block_under_a_leaning_wall(lift), tmp_path, quiet=True) for lift in (0.0, 5e-4))

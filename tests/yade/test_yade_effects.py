@@ -78,6 +78,7 @@ def measured(script: str, analysis: LimitAnalysis, folder: Path, *options: str) 
 # --- displacement: agreement and difference ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @every_text
 def test_finite_displacements_cost_nothing_where_no_other_blocks_can_meet(name: str, ran: Callable[..., Ran]) -> None:
     """YADE looks for no new contact in either case, so that the results are equal to the last bit."""
@@ -103,6 +104,7 @@ def test_a_search_that_finds_no_new_contact_changes_no_reaction(name: str, tmp_p
     assert finite["reaction"] == pytest.approx(small["reaction"], rel=close)
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements_are_finite(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -174,6 +176,7 @@ def test_a_real_run_with_small_displacements_keeps_within_its_gap(ran: Callable[
 # --- recording --------------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @every_text
 def test_recording_the_plateau_alone_changes_no_number_that_is_judged(name: str, ran: Callable[..., Ran]) -> None:
     (_, states), (analysis, plateau) = ran(name, "small"), ran(name, "small", "plateau")
@@ -183,6 +186,7 @@ def test_recording_the_plateau_alone_changes_no_number_that_is_judged(name: str,
     assert np.array_equal(plateau.plateau_forces(), states.plateau_forces())
 
 
+@pytest.mark.slow
 @every_text
 def test_recording_the_plateau_alone_keeps_rest_and_plateau_and_nothing_between(name: str, ran: Callable[..., Ran]) -> None:
     kept, every = (ran(name, "small", recording)[1].poses["settlement"] for recording in ("plateau", "states"))
@@ -192,6 +196,7 @@ def test_recording_the_plateau_alone_keeps_rest_and_plateau_and_nothing_between(
     assert len(kept) < len(every)
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_run_without_a_plateau_keeps_rest_and_the_last_state(tmp_path: Path) -> None:
     endless = TEXTS["wall"] + scenes.table("yade", speed=1e-12) + "\n"  # no plateau before the limit on any machine
