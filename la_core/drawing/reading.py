@@ -7,7 +7,10 @@ from la_core.drawing.outlines import Drawn
 from la_core.drawing.svg import read_svg
 
 DRAWING_FORMATS = (".dxf", ".svg")
-OF_PDF = "convert a PDF to SVG, such as by `pdftocairo -svg FILE.pdf FILE.svg`"
+ADVICE = {  # next step for a file of another format, by its ending
+    ".pdf": "convert a PDF to SVG, such as by `pdftocairo -svg FILE.pdf FILE.svg`",
+    ".dwg": "save a DWG file as DXF",
+}
 
 
 def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: float, scale: float = 1.0) -> Drawn:

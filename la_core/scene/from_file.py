@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, OF_PDF, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words, why_none
+from la_core.drawing import ADVICE, DRAWING_FORMATS, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks, unseen_words, why_none
 from la_core.errors import SceneError, extra_hint, printable_name, real_path
 from la_core.scene.generators.mesh import MOST_DENT, extent, mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
@@ -82,7 +82,7 @@ def scene_from_file(source: Path, folder: Path) -> str:
     if suffix in FORMATS or source.is_dir():
         return _mesh_text(place, folder)
     known = ", ".join(SOURCE_FORMATS)
-    hint = OF_PDF if suffix == ".pdf" else f"files end in {known}; DWG must be saved as DXF"
+    hint = ADVICE.get(suffix, f"files end in {known}; DWG must be saved as DXF")
     raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=hint)
 
 

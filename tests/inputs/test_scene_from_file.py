@@ -230,9 +230,10 @@ def test_a_guessed_unit_is_marked_with_the_reason(unit: int | None, why: str, tm
     assert f'unit      = "mm"  # CHECK: the file {why}\n' in scene_from_file(tmp_path / "wall.dxf", tmp_path)
 
 
-def test_a_pdf_is_to_be_converted(tmp_path: Path) -> None:
-    (tmp_path / "wall.pdf").write_bytes(b"%PDF-1.7")
-    with pytest.raises(SceneError, match=r"is neither a drawing nor a file of bodies; convert a PDF to SVG, such as by `pdftocairo -svg"):
-        scene_from_file(tmp_path / "wall.pdf", tmp_path)
-    with pytest.raises(SceneError, match=r"`file` must end in \.dxf or \.svg; convert a PDF to SVG"):
-        build({"drawing": [{"file": "wall.pdf", "thickness": 0.3}], "joint": {"friction": 0.6}}, "wall", tmp_path)
+@pytest.mark.parametrize(("file", "step"), [("wall.pdf", "convert a PDF to SVG, such as by `pdftocairo -svg"), ("wall.DWG", "save a DWG")])
+def test_a_file_of_another_format_is_to_be_converted(file: str, step: str, tmp_path: Path) -> None:
+    (tmp_path / file).write_bytes(b"%PDF-1.7")
+    with pytest.raises(SceneError, match=f"is neither a drawing nor a file of bodies; {step}"):
+        scene_from_file(tmp_path / file, tmp_path)
+    with pytest.raises(SceneError, match=rf"`file` must end in \.dxf or \.svg; {step}"):
+        build({"drawing": [{"file": file, "thickness": 0.3}], "joint": {"friction": 0.6}}, "wall", tmp_path)

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from la_core.drawing import DRAWING_FORMATS, OF_PDF
+from la_core.drawing import ADVICE, DRAWING_FORMATS
 from la_core.scene.schema.mesh import Pattern, within_the_scene_s_folder
 from la_core.scene.schema.types import Name, NotNegative, Pair, Positive, Table, described
 
@@ -46,8 +46,8 @@ class Drawing(Table):
 
     @model_validator(mode="after")
     def _is_drawn(self) -> Self:
-        if PurePosixPath(self.file).suffix.lower() not in DRAWING_FORMATS:
-            hint = f"; {OF_PDF}" if self.file.lower().endswith(".pdf") else ""
+        if (ending := PurePosixPath(self.file).suffix.lower()) not in DRAWING_FORMATS:
+            hint = f"; {ADVICE[ending]}" if ending in ADVICE else ""
             raise ValueError(f"`file` must end in {' or '.join(DRAWING_FORMATS)}{hint}")
         uses: dict[str, str] = {}
         for key in LISTS:
