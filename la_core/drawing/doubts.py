@@ -24,12 +24,15 @@ def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: 
 
 def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
     """Mask of the lines (n, 2) that lie for the most part inside outlines (n, 2), and not on their edges."""
+    return _share_within(lines, outlines) > 0.5
+
+
+def _share_within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Share (lines,) of the length of each line (n, 2) that lies inside outlines (n, 2), and not on their edges."""
     if not lines or not outlines:
-        return np.zeros(len(lines), dtype=bool)
-    polygons = outline_polygons(outlines)
-    strings = strings_of(lines)
-    inside = share_near(strings, polygons, 0.0) - share_near(strings, shapely.boundary(polygons), ON_EDGE)
-    return np.asarray(inside > 0.5)
+        return np.zeros(len(lines))
+    polygons, strings = outline_polygons(outlines), strings_of(lines)
+    return share_near(strings, polygons, 0.0) - share_near(strings, shapely.boundary(polygons), ON_EDGE)
 
 
 def ends_within(rests: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
@@ -71,11 +74,12 @@ def _of_ended_lines(
     lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], others: Sequence[np.ndarray], snap: float, curves: Curves
 ) -> list[np.ndarray]:
     """Areas as of `areas_without_outline`, except those that a dimension, an axis or another line bounds that goes on beyond them."""
+    lines = [line for line, inside in zip(lines, _share_within(lines, outlines), strict=True) if inside <= 1.0 - ENDED]
     areas = areas_without_outline(lines, outlines, [*outlines, *others], snap, curves)
     if not areas:
         return []
     share = share_near(strings_of(lines), shapely.boundary(outline_polygons(areas)), 2.0 * snap)
-    beyond = [line for line, part in zip(lines, share, strict=True) if 0.0 < part < ENDED]
+    beyond = [line for line, part in zip(lines, share, strict=True) if part < ENDED]
     along = _lengths_along(areas, beyond, snap) if beyond else np.zeros(len(areas))
     return [area for area, length in zip(areas, along, strict=True) if length <= 4.0 * snap]
 

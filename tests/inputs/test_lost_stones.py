@@ -230,6 +230,19 @@ def test_a_stone_of_lines_on_a_layer_of_its_own_is_told(lines: str, place: str, 
     assert not told(scene_of(tmp_path, stones, ground=GROUND + key, keys='blocks = ["b"]\n'))
 
 
+ACROSS_STONES = {
+    "hatches": "".join(line((x, -0.2), (x + 1.5, 1.3)) for x in np.linspace(-1.4, 1.9, 40)),
+    "axes": line((0.05, -0.3), (0.05, 1.4)) + line((-0.4, 0.95), (2.4, 0.95)),
+}
+
+
+@pytest.mark.parametrize("lines", ACROSS_STONES.values(), ids=list(ACROSS_STONES))
+def test_lines_across_stones_enclose_no_stones(lines: str, tmp_path: Path) -> None:
+    """Every second course is shorter, so that such lines enclose small areas together with the ends of the courses."""
+    courses = "".join(box(0.1 * (k % 2), 0.1 * k, 2.0, 0.1 * (k + 1)) for k in range(10))
+    assert not [words for words in told(scene_of(tmp_path, courses, ground=GROUND + on_layers(other=lines))) if "enclosed" in words]
+
+
 HATCH = on_layers(hatch=box(-0.01, 1, 2, 2))  # a little larger than the stone
 
 
