@@ -98,7 +98,6 @@ def test_results_in_a_folder_that_cannot_be_written_are_read(
     assert {path.name: path.read_bytes() for path in result.folder.iterdir()} == before
 
 
-@pytest.mark.slow
 @pytest.mark.yade
 def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = comparison.run("two_pads", tmp_path, quiet=True)

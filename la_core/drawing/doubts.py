@@ -73,7 +73,10 @@ def areas_without_outline(
 def _of_ended_lines(
     lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], others: Sequence[np.ndarray], snap: float, curves: Curves
 ) -> list[np.ndarray]:
-    """Areas as of `areas_without_outline`, except those that a dimension, an axis or another line bounds that goes on beyond them."""
+    """Areas as of `areas_without_outline`, bounded by lines that end at their corners.
+
+    Hatches and axes run across outlines, dimensions and axes go on beyond the areas: they bound none.
+    """
     lines = [line for line, inside in zip(lines, _share_within(lines, outlines), strict=True) if inside <= 1.0 - ENDED]
     areas = areas_without_outline(lines, outlines, [*outlines, *others], snap, curves)
     if not areas:

@@ -82,7 +82,7 @@ def scene_from_file(source: Path, folder: Path) -> str:
     if suffix in FORMATS or source.is_dir():
         return _mesh_text(place, folder)
     known = ", ".join(SOURCE_FORMATS)
-    hint = ADVICE.get(suffix, f"files end in {known}; DWG must be saved as DXF")
+    hint = ADVICE.get(suffix, f"files end in {known}")
     raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=hint)
 
 

@@ -130,7 +130,6 @@ def test_colours_and_narration_obey_the_environment(tmp_path: Path) -> None:
     assert answer.stderr == ""
 
 
-@pytest.mark.slow_after_first
 @every_shipped_scene
 def test_every_shipped_scene_reproduces_what_is_expected_of_it(name: str) -> None:
     assert main(["solve", name, "-q"]) == 0

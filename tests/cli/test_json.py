@@ -63,7 +63,6 @@ def one_object(text: str) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.slow_after_first
 @pytest.mark.yade
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name == "animate" else name for name in COMMAND_LINE])
 def test_every_command_prints_one_object_and_nothing_else(

@@ -46,7 +46,6 @@ def test_walls_are_those_of_the_authors(number: int) -> None:
     assert len({sum(map(abs, KINDS[number][kind])) for kind in STACKS[number].split()}) == 1
 
 
-@pytest.mark.slow_after_first
 @every_wall
 def test_associated_multiplier(number: int) -> None:
     analysis = analysed(number)

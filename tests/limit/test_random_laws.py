@@ -82,7 +82,6 @@ def test_what_is_solved_is_in_equilibrium_within_the_cones_and_obeys_the_flow_ru
 # --- duality -----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @given(scene=random_scenes(settles=True))
 def test_any_admissible_mechanism_bounds_any_admissible_forces(scene: Scene) -> None:
     """weak duality: mechanisms of more friction bound the reactions of all forces within less, on the right side"""
@@ -142,7 +141,6 @@ def _part_sinks(assembly: Assembly, block: int, twist: np.ndarray) -> bool:
     return any((twist[:3] + np.cross(twist[3:], corner - blocks.centroid[block])) @ assembly.down > 0.0 for corner in corners)
 
 
-@pytest.mark.slow
 @given(scene=random_scenes())
 def test_what_is_called_infeasible_falls(scene: Scene) -> None:
     """infeasible: weights do work on an admissible motion, all named blocks sink, at least in part, and HiGHS finds no equilibrium"""
@@ -182,7 +180,6 @@ def test_no_status_depends_on_the_drive_where_nothing_stands(scene: Scene) -> No
 # --- friction that does not dilate -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 @given(scene=random_scenes())
 def test_coulomb_prediction_lies_between_the_bounds_and_within_its_interval(scene: Scene) -> None:
     """R_min <= R of Coulomb friction <= R_max, and R within its mechanism's interval"""
@@ -236,7 +233,6 @@ def test_a_mirrored_structure_has_the_same_answer(scene: Scene) -> None:
     assert_same_answers(scene, told(scene, turn=np.diag([-1.0, 1.0, 1.0])))
 
 
-@pytest.mark.slow
 @given(scene=random_scenes())
 def test_units_do_not_matter(scene: Scene) -> None:
     """invariance: in mm and km, light and heavy"""
